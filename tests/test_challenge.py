@@ -203,7 +203,7 @@ def test_the_documents_table_follows_from_the_cases():
     """Each row of the page counts what the rule counts, in the same order."""
     cases = pd.read_csv(STUDIES / "cases.csv", keep_default_na=False, na_values=[""])
     page = (STUDIES.parents[1] / "docs" / "blind_trial.md").read_text(encoding="utf-8")
-    (table,) = re.findall(r"\| figure of merit \| \d+ cases \| 95 % interval \|\n(?:\|.*\n)+", page)
+    (table,) = re.findall(r"\| figure of merit \| \d+ cases \| 95 % interval \| target \| before \|\n(?:\|.*\n)+", page)
     shown = [(int(count), int(of)) for count, of in re.findall(r"\| (\d+) of (\d+) \|", table)]
     counted = score.summary(cases)
     following = iter(zip(counted["count"], counted["of"], strict=True))
