@@ -1,4 +1,4 @@
-"""Effects that vanish, bodies that are impossible under one condition alone, and what stands in for the unknown."""
+"""Effects that vanish, bodies that are impossible under one condition alone, amplitudes elsewhere than at the fit."""
 
 from dataclasses import replace
 
@@ -9,12 +9,10 @@ from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 from palpate.configuration.study_file import study_from
 from palpate.diagnosis.detect import between_replicates, examine
 from palpate.diagnosis.screen import Screen
-from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.body_curves import bodies
 from palpate.inference.forward import FiniteElements
 from palpate.inference.observation import Observation
-from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.quantity import Quantity
@@ -74,8 +72,3 @@ def test_what_an_offset_adds_to_a_load_is_that_of_the_material_that_was_found():
     places = [task.forward.coordinates.scaled({"youngs_modulus": modulus}) for modulus in moduli]
     soft, stiff = (replace(task, at=place).unit_effects(offset) for place in places)
     assert stiff == pytest.approx(4.0 * soft, rel=1e-3, abs=1e-3 * np.abs(stiff).max())
-
-
-def test_unlike_loads_that_cannot_be_corrected_end_a_fit():
-    with pytest.raises(PalpateError, match="not brought to one load"):
-        refused("M: its tests are not brought to one load, as a simulation failed (no contact)")

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from test_draft import MODULUS, elastic
 
 from palpate.analytic import hertz, sneddon
@@ -16,14 +15,10 @@ from palpate.draft.cut_off import cut_off
 from palpate.draft.grouping import grouped
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.stated import Stated
-from palpate.inference.own_loads import brought_to_one_load
-from palpate.inference.study_recordings import check, resampled
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.recording import Recording
-from palpate.solver.simulation import simulate_batch
 from palpate.study.protocol import DISPLACEMENT, trapezoid
 from palpate.study.recorded_history import MOST_KNOTS, averaged_over, recorded
-from palpate.workflow_support.steps import calibrate_study, fit_surrogate
 
 TIME = np.linspace(0.0, 20.0, 2001)
 RAMP = np.interp(TIME, [0, 8, 12, 20], [0, 2, 2, 0])
@@ -231,59 +226,6 @@ def test_noise_after_unloading_is_no_segment_of_a_trapezoid():
     noisy = Recording(np.append(test.time, test.time[-1] + after), tail, np.append(test.depth, np.zeros(7)), "noisy")
     (group,) = grouped([noisy], Drive())
     assert group.history["max_load"] == 9.0
-
-
-@pytest.fixture
-def method():
-    """Return a study of three tests on Sneddon's elastic body that one method brought to unlike loads."""
-    Path("method").mkdir()
-    for k, load in enumerate((1.0, 0.87, 1.13), 1):
-        test = elastic(load, 20 * (1 + 0.02 * k))
-        replace(test, name="").write(f"method/M_{k}.csv")
-    values = {
-        "study": "s",
-        "material": {"model": "elastic", "poisson_ratio": 0.35},
-        "parameters": {"youngs_modulus": [2.0, 4.0]},
-        "indenter": {"shape": "cone", "half_angle": 70.3},
-        "conditions": [{"name": "M", "load_history": "recorded", "own_loads": True}],
-        "kinematics": "small",
-        "recordings": {"lab": "method"},
-    }
-    Path("study.yaml").write_text(yaml.safe_dump(values))
-    return load_study("study.yaml")
-
-
-def test_tests_of_one_method_are_brought_to_one_load(method):
-    """Each test's depth follows from its own load, and all agree under one."""
-    study = method
-    observed = resampled(study, check(study, "lab"))
-    before = observed["M"].response
-    after = brought_to_one_load(study, observed, {"youngs_modulus": MODULUS})["M"].response
-    loaded = study.conditions[0].protocol.sample_drive > 0.2
-    assert np.ptp(before[:, loaded], axis=0).max() > 0.1 * before.max()
-    exact = sneddon.depth(study.conditions[0].protocol.sample_drive, MODULUS, 0.35, 70.3)
-    assert after[:, loaded] == pytest.approx(np.tile(exact[loaded], (3, 1)), rel=0.01)
-
-
-def test_tests_of_one_method_are_calibrated_each_under_its_own_load(method):
-    """Their depths differ by an eighth, as their loads by a quarter; none of that is scatter between sites.
-
-    The simulation moves the surface inwards under the cone, which Sneddon neglects: 2 % of the modulus at this ratio.
-    """
-    study = replace(method, design={"kind": "sobol", "points": 16})
-    observed = resampled(study, check(study, "lab"))
-    contents = [
-        {"parameters": cell, "status": "ok", "quantity": "depth", "depth": outcome.depth}
-        for cell, outcome in zip(
-            study.cells, simulate_batch([study.specification(c, study.conditions[0]) for c in study.cells]), strict=True
-        )
-    ]
-    model, _, _, summary = fit_surrogate(study, "M", contents)
-    assert summary["condition_number"] < 1e12
-    result = calibrate_study(study, {"M": model}, observed, lambda line: None)
-    found = result.parameters["youngs_modulus"]
-    assert found.estimate == pytest.approx(MODULUS, rel=0.03)
-    assert result.noise["M"]["site_scatter"] < 0.005
 
 
 def test_a_depth_that_is_prescribed_is_a_displacement_driven_study():

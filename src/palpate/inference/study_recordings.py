@@ -12,7 +12,7 @@ from palpate.errors import InputError, located_in
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import own_protocol, stretched
 from palpate.inference.recording_checks import checked_recording
-from palpate.recordings.recording import STIFFNESS_FOLDER, Recording, copies
+from palpate.recordings.recording import Recording, copies, stiffness_file
 from palpate.recordings.recording_file import condition_of, read_recording, recording_files
 from palpate.study.protocol import Protocol
 from palpate.study.quantity import Quantity
@@ -176,24 +176,20 @@ def files_of(study: Study, name: str) -> list[Path]:
     """
     if not written_by_workflow(study, name):
         recordings = [file for files in find(study, name).values() for file in files]
-        return recordings + [file for file in map(_stiffness_file, recordings) if file.is_file()]
+        return recordings + [file for file in map(stiffness_file, recordings) if file.is_file()]
     folder, counts = study.recordings[name], tests_to_come(study, name)
     recordings = [folder / f"{key}_{number + 1}.csv" for key, count in counts.items() for number in range(count)]
     if name in study.laboratory:
         return recordings
     tests = [test.recording for of_condition in study.source_tests().values() for test in of_condition]
     measured = [file for file, test in zip(recordings, tests, strict=True) if test.stiffness is not None]
-    return recordings + list(map(_stiffness_file, measured))
+    return recordings + list(map(stiffness_file, measured))
 
 
 def with_stiffness(recording: Path) -> list[Path]:
     """Return the file of a recording and, where there is one, the file of its stiffness in a folder beside."""
-    beside = _stiffness_file(recording)
+    beside = stiffness_file(recording)
     return [recording, beside] if beside.is_file() else [recording]
-
-
-def _stiffness_file(recording: Path) -> Path:
-    return recording.parent / STIFFNESS_FOLDER / recording.name
 
 
 def observations(study: Study, name: str) -> dict[str, Observation]:

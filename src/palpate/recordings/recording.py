@@ -148,11 +148,16 @@ class Recording:
         """
         path = Path(path)
         replace(self, stiffness=None).write(path)
-        beside = path.parent / STIFFNESS_FOLDER / path.name
+        beside = stiffness_file(path)
         beside.unlink(missing_ok=True)
         if self.stiffness is not None:
             beside.parent.mkdir(exist_ok=True)
             self.write(beside)
+
+
+def stiffness_file(path: Path) -> Path:
+    """Return where the stiffness of a recording lies, if it has one of its own, see `Recording.write_apart`."""
+    return path.parent / STIFFNESS_FOLDER / path.name
 
 
 def marked_synthetic(notes: Iterable[str]) -> bool:

@@ -28,6 +28,7 @@ from palpate.recordings.recording import (
     check_points,
     marked_synthetic,
     spaced,
+    stiffness_file,
 )
 from palpate.study.protocol import DISPLACEMENT, LOAD
 
@@ -82,10 +83,9 @@ def read_recording(path: str | Path) -> Recording:
 
 def with_stiffness_beside(recording: Recording, path: Path) -> Recording:
     """Return the recording of a CSV with the stiffness that lies in a folder beside it; raises `InputError`."""
-    apart = path.with_name(STIFFNESS_FOLDER)
-    if recording.stiffness is not None or not apart.is_dir() or not (apart / path.name).is_file():
+    beside = stiffness_file(path)
+    if recording.stiffness is not None or not beside.is_file():
         return recording
-    beside = apart / path.name
     measured = _recording_at(beside)
     if not np.array_equal(measured.time, recording.time):
         raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)

@@ -91,11 +91,10 @@ def evidence(axis: Axes, content: Mapping[str, Any]) -> None:
     The number beside each bar is relative to the best one. Of many explanations the best are drawn, and the base model.
     """
     every = content["tried"]
-    first = [k for k, entry in enumerate(every) if not entry["mechanisms"]][:1]
-    shown = sorted(range(len(every)), key=lambda k: (k not in first, k))[:MOST]
-    tried = [every[k] for k in sorted(shown)]
+    tried, later = every[:MOST], [entry for entry in every[MOST:] if not entry["mechanisms"]]
+    tried = [*tried[:-1], *later] if later else tried
     accepted = [candidate["mechanisms"] for candidate in content["candidates"]]
-    base = every[first[0]]["log_evidence"] if first else 0.0
+    base = next((entry["log_evidence"] for entry in every if not entry["mechanisms"]), 0.0)
     names = []
     for k, entry in enumerate(tried):
         titles = [MECHANISMS[key].title for key in entry["mechanisms"]]
