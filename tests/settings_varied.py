@@ -24,7 +24,7 @@ from palpate.inference.fitting import Fitter
 
 SEED = 20261127
 # The first changes nothing that is found (tests/test_verdicts.py); others act where bodies yield, or in calibrations.
-NOT_VARIED = ("threads", "finer_meshes", "finer_steps", "first_order", "single_start")
+NOT_VARIED = ("threads", "finer_meshes", "finer_steps", "first_order", "single_start", "base_searches")
 RECORDED = ("thermal_drift", "frame_compliance", "zero_offset")
 
 

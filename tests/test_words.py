@@ -55,6 +55,15 @@ def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_
     assert "Young's modulus is 6% too low" in said
 
 
+def test_an_adequate_model_comes_with_the_test_that_would_show_what_could_hide():
+    test = {"test": "a hold of 100 s at 1 mN", "expected_power": 0.93, "hidden_effect": {"thermal_drift.rate": -0.31}}
+    assert sentence(content("adequate") | {"discriminating_test": test}).endswith(
+        "no further effect is claimed. A hold of 100 s at 1 mN would distinguish a thermal drift of -0.31 nm/s, which "
+        "these do not exclude, from none with a probability of 93%."
+    )
+    assert sentence(content("adequate")).endswith("no further effect is claimed.")
+
+
 def test_a_parameter_that_is_nearly_nothing_is_given_by_value_not_in_percent():
     parameters = {
         "before": {"transient_coefficient": quantity(0.00183)},

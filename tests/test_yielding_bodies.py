@@ -58,6 +58,17 @@ def test_a_plastic_cone_that_hardly_hardens_keeps_to_its_law(modulus, yield_stre
     assert constant == pytest.approx(constant.mean(), rel=0.008)
 
 
+@pytest.mark.parametrize("large", [False, True])
+def test_a_body_without_hardening_unloads_as_one_that_hardly_hardens(large):
+    """Its stress never exceeds the yield stress, and yet it has flowed."""
+    constants = {"youngs_modulus": 70.0, "poisson_ratio": 0.2, "yield_stress": 5.0}
+    protocol = trapezoid(1.0, 10.0, 0.0, 10.0, points=20)
+    none, little = (
+        depth(PLASTIC.coefficients(constants | {"hardening": h}), protocol, large=large) for h in (0.0, 1e-6)
+    )
+    assert none == pytest.approx(little, rel=1e-5)
+
+
 def contact_radius(moment):
     """Return the distance from the axis [um] at which the surface bears half of the median pressure of the contact."""
     mesh, stress = moment.mesh, Fields.of(moment).stress

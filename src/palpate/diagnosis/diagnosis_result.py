@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,11 @@ from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.limits import limits
 from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
-from palpate.diagnosis.next_test import discriminating_test
+from palpate.diagnosis.next_test import Account, discriminating_test
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Candidate
+from palpate.diagnosis.undetected import largest_undetected
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
 from palpate.inference.estimates import determined
@@ -150,16 +151,23 @@ def _accepted(
     }
 
 
-def _next_test(study: Study, diagnosis: Diagnosis, draws: list[np.ndarray]) -> dict[str, Any] | None:
-    """Return the test that separates the two best explanations, or a suspected one from the base model.
+def _next_test(
+    study: Study, diagnosis: Diagnosis, draws: list[np.ndarray], keys: Iterable[str]
+) -> dict[str, Any] | None:
+    """Return the test that separates what is open between two accounts of the recordings.
 
-    `draws` (m, k) are from the posteriors of the accepted explanations, then of the base model.
+    These are the two best explanations, a suspected one and the base model, or, where that is adequate, the base model
+    without and with the largest effect among `keys` that could hide beside it. `draws` (m, k) are from the posteriors
+    of the accepted explanations, then of the base model.
     """
-    accepted = [candidate.fit for candidate in diagnosis.accepted]
-    if diagnosis.verdict == "suspected":
-        accepted.append(diagnosis.base.fit)
-    pressed = all(condition.protocol.control == LOAD for condition in study.conditions)
-    return discriminating_test(study, accepted, draws) if len(accepted) > 1 and pressed else None
+    if not all(condition.protocol.control == LOAD for condition in study.conditions):
+        return None
+    fits = [candidate.fit for candidate in (*diagnosis.accepted, diagnosis.base)]
+    accounts = [Account.of(*each) for each in zip(fits, draws, strict=True)]
+    if diagnosis.verdict in ("suspected", "ambiguous"):
+        return discriminating_test(study, *accounts[:2])
+    hidden = largest_undetected(diagnosis.base.fit, keys) if diagnosis.verdict == "adequate" else None
+    return None if hidden is None else discriminating_test(study, accounts[-1], accounts[-1].with_hidden(hidden))
 
 
 def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
@@ -181,6 +189,7 @@ def to_mapping(
     diagnosis: Diagnosis,
     rng: np.random.Generator,
     own_laws: OwnLaws | None = None,
+    keys: Sequence[str] = (),
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Return the content of `diagnosis.json` and the table of curves before and after.
 
@@ -194,6 +203,8 @@ def to_mapping(
         Source of the draws from posteriors.
     own_laws
         Amplitudes that exact laws give for each recording of each condition.
+    keys
+        Mechanisms that were considered.
     """
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
@@ -214,7 +225,7 @@ def to_mapping(
             _accepted(study, observed, *found, own_laws)
             for found in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
         ],
-        "discriminating_test": _next_test(study, diagnosis, [*draws, of_base]),
+        "discriminating_test": _next_test(study, diagnosis, [*draws, of_base], keys),
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},
         "tried": [_tried(candidate, verdict != "unexplained") for candidate in diagnosis.tried],

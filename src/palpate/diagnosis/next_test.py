@@ -1,4 +1,8 @@
-"""The next test: the feasible one that separates the accepted explanations best."""
+"""The next test: the feasible one that separates two accounts of the recordings best.
+
+These are the two best explanations, a suspected one and the base model, or the base model and the same with the effect
+that could hide beside it.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,7 @@ from scipy.stats import chi2, ncx2
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.own_values import about
+from palpate.diagnosis.undetected import UndetectedEffect
 from palpate.errors import InputError
 from palpate.inference.covariance import components_under
 from palpate.inference.explanation import Fit
@@ -91,31 +96,73 @@ def _trapezoid(phrase: str, load: float, time: float, hold: float = 0.0) -> Feas
     return FeasibleTest(phrase, settings, trapezoid(load, time, hold, time, POINTS))
 
 
-def discriminating_test(study: Study, accepted: list[Fit], draws: list[np.ndarray]) -> dict[str, Any] | None:
-    """Return the test that separates the first two explanations most surely, with its expected power.
+@dataclass(frozen=True, eq=False)
+class Account:
+    """What is compared with another account of the same recordings.
+
+    Parameters
+    ----------
+    name
+        In words.
+    fit
+        The explanation, whose noise and amplitudes are used.
+    draws : ndarray, shape (m, k)
+        Draws from its posterior.
+    hidden
+        An effect beside the explanation, if any.
+    """
+
+    name: str
+    fit: Fit
+    draws: np.ndarray
+    hidden: UndetectedEffect | None = None
+
+    @classmethod
+    def of(cls, fit: Fit, draws: np.ndarray) -> Account:
+        """Return the account of an explanation, of whose posterior some `draws` (m, k) are taken."""
+        return cls(
+            "+".join(fit.explanation) or "base model", fit, draws[np.linspace(0, len(draws) - 1, DRAWS, dtype=int)]
+        )
+
+    def with_hidden(self, effect: UndetectedEffect) -> Account:
+        """Return the same with an effect beside it, and all parameters changed by as much as it requires."""
+        return replace(self, name=f"{self.name} with {effect.amplitude.key}", hidden=effect)
+
+    def specification(self, z: np.ndarray, test: FeasibleTest) -> Specification:
+        """Return what is simulated of a test at coordinates z (k,) of the explanation."""
+        if self.hidden is None:
+            return of_test(self.fit.model.specification(z, test.condition), test)
+        least, largest = self.fit.coordinates.limits
+        moved = np.clip(z + self.hidden.change, least, largest)
+        found, amplitude = self.fit.model.specification(moved, test.condition), self.hidden.amplitude
+        mechanisms = {**found.mechanisms, amplitude.key: amplitude.parameters(self.hidden.value)}
+        return of_test(replace(found, mechanisms=mechanisms), test)
+
+
+def discriminating_test(study: Study, first: Account, second: Account) -> dict[str, Any] | None:
+    """Return the test that separates two accounts most surely, with its expected power.
 
     The distance of the two predicted curves is measured against the covariance of noise, site scatter, slow drift,
-    values of three new recordings and the simulation's error (the mean over both explanations), plus the uncertainty of
-    both explanations' parameters (from some of their posterior `draws` (m, k)); the power is that of a 1 % test.
+    values of three new recordings and the simulation's error (the mean over both accounts), plus the uncertainty of
+    the parameters of both (from draws from their posteriors); the power is that of a 1 % test.
     """
-    first, second = accepted[:2]
-    samples = [drawn[np.linspace(0, len(drawn) - 1, DRAWS).astype(int)] for drawn in draws[:2]]
-    scale = first.problem.scale
+    scale = first.fit.problem.scale
     best: dict[str, Any] | None = None
     tests = list(feasible(scale.load, scale.loading_time, study.indenter))
-    predicted = (_predicted(fit, tests, sample) for fit, sample in zip((first, second), samples, strict=True))
+    predicted = (_predicted(account, tests) for account in (first, second))
     for test, *both in zip(tests, *predicted, strict=True):
         if None in both:
             continue
         (a, spread_a), (b, spread_b) = both
-        errors = [error_of_means(study, fit, test.condition, x) for fit, x in ((first, a), (second, b))]
+        errors = [error_of_means(study, of.fit, test.condition, x) for of, x in ((first, a), (second, b))]
         spread = 0.5 * (errors[0] + errors[1]) + spread_a + spread_b
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.phrase, **test.settings, "expected_power": power, "distance": distance}
-        entry["separates"] = ["+".join(fit.explanation) or "base model" for fit in (first, second)]
         if best is None or distance > best["distance"]:
-            best = entry
+            best = entry | {"separates": [first.name, second.name]}
+    if best and (hidden := second.hidden):
+        best["hidden_effect"] = {str(hidden.amplitude): hidden.value}
     return best
 
 
@@ -142,22 +189,20 @@ def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarr
     return about(study, fit, condition, curve, REPLICATES) + sum(own)
 
 
-def _predicted(fit: Fit, tests: list[FeasibleTest], draws: np.ndarray) -> list[tuple[np.ndarray, np.ndarray] | None]:
+def _predicted(account: Account, tests: list[FeasibleTest]) -> list[tuple[np.ndarray, np.ndarray] | None]:
     """Return the predicted curve of each test and the covariance that the uncertain parameters give it.
 
     None where the forward model fails.
     """
-    model = fit.model
-    rows = [[_of_test(model.specification(z, test.condition), test) for z in (fit.z, *draws)] for test in tests]
+    points = (account.fit.z, *account.draws)
     predicted: list[tuple[np.ndarray, np.ndarray] | None] = []
-    for outcomes in _simulated(rows):
+    for outcomes in _simulated([[account.specification(z, test) for z in points] for test in tests]):
         if not outcomes or any(outcome.status != "ok" for outcome in outcomes):
             predicted.append(None)
             continue
         best, *others = outcomes
         departures = np.array([outcome.depth - best.depth for outcome in others])
-        spread = departures.T @ departures / len(draws)
-        predicted.append((best.depth, spread))
+        predicted.append((best.depth, departures.T @ departures / len(others)))
     return predicted
 
 
@@ -170,7 +215,7 @@ def _simulated(rows: list[list[Specification]]) -> list[list[Simulation]]:
         return [found for row in rows for found in _simulated([row])] if len(rows) > 1 else [[]]
 
 
-def _of_test(specification: Specification, test: FeasibleTest) -> Specification:
+def of_test(specification: Specification, test: FeasibleTest) -> Specification:
     """Return the specification with the tip of a test; mechanisms of the old tip are dropped."""
     if test.indenter is None:
         return specification

@@ -21,7 +21,8 @@ def sentence(content: Mapping[str, Any]) -> str:
     verdict, p = content["verdict"], content["p_value"]
     probability = _probability(p)
     if verdict == "adequate":
-        return f"The base model explains the recordings to their noise ({probability}); no further effect is claimed."
+        claim = f"The base model explains the recordings to their noise ({probability}); no further effect is claimed."
+        return f"{claim}{_next_test(content, _hidden(content))}"
     start = f"The base model does not explain the recordings ({probability}){_where(content)}."
     if verdict == "unexplained":
         none = "No set of known mechanisms that was tried explains it: something else is missing."
@@ -46,6 +47,17 @@ def _next_test(content: Mapping[str, Any], what: str) -> str:
         return ""
     phrase = f"{test['test'][0].upper()}{test['test'][1:]}"
     return f" {phrase} would distinguish {what} with a probability of {test['expected_power']:.0%}."
+
+
+def _hidden(content: Mapping[str, Any]) -> str:
+    """Return the effect that could hide beside an adequate model; nothing where there is none."""
+    test = content["discriminating_test"]
+    if not test:
+        return ""
+    ((name, value),) = test["hidden_effect"].items()
+    key, own = name.split(".")
+    (parameter,) = (p for p in MECHANISMS[key].parameters if p.name == own)
+    return f"a {MECHANISMS[key].title} of {_amount(value, parameter, 2)}, which these do not exclude, from none"
 
 
 def _may_be_none(candidate: Mapping[str, Any]) -> str:

@@ -79,6 +79,47 @@ def undetected_effects(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, flo
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class UndetectedEffect:
+    """An effect as large as the recordings allow beside an explanation.
+
+    Parameters
+    ----------
+    amplitude, value
+        Its amplitude, and the end of the 95 % interval that is further from zero.
+    change : ndarray, shape (k,)
+        By how much the coordinates of the explanation change with it.
+    adds
+        What it adds to the depth at most [nm].
+    """
+
+    amplitude: Amplitude
+    value: float
+    change: np.ndarray
+    adds: float
+
+
+def largest_undetected(fit: Fit, keys: Iterable[str]) -> UndetectedEffect | None:
+    """Return the effect that could add most to the depth; None where none could add 1 % of the largest depth.
+
+    It is one of the mechanisms in `keys` that only add to the depth, as in `undetected_effects`.
+    """
+    found, own = [], len(fit.z)
+    for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
+        extras = _amplitudes(fit, [key], prior_variance=np.inf)
+        joined = _joined(fit, extras)
+        for place, extra in enumerate(extras, own):
+            interval = _interval(fit, joined, place)
+            value = max(interval["lower"], interval["upper"], key=abs)
+            along = joined.covariance[:own, place] / joined.covariance[place, place]
+            change = joined.change[:own] + along * (value - joined.change[place])
+            adds = abs(value) * float(np.abs(extra.column).max())
+            (amplitude,) = (each for each in fit.problem.typical(key) if str(each) == extra.name)
+            found.append(UndetectedEffect(amplitude, value, change, adds))
+    largest = max(found, key=lambda effect: effect.adds, default=None)
+    return largest if largest and largest.adds > COARSE * float(np.abs(fit.problem.mean).max()) else None
+
+
 def joint_intervals(fit: Fit, screen: Screen) -> dict[str, dict[str, Any]]:
     """Return, as ``key.name``, each amplitude that only adds to the depth if all screened mechanisms may act.
 

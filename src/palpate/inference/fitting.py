@@ -234,7 +234,7 @@ class Fitter:
         problem, policy = self.problem, self.policy
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
-        places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.searches]
+        places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.base_searches]
         return descend(misfit, cheaper, places, Until(policy.base_iterations, policy.first_tolerance))
 
     def _searched(

@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit
 
 from palpate.materials.flow.dispatch import fluidity_of
-from palpate.materials.flow.radial import NOTHING, UNKNOWN, compliance, solve_radial, threshold
+from palpate.materials.flow.radial import AT_YIELD, NOTHING, UNKNOWN, compliance, solve_radial, threshold
 from palpate.materials.flow.row import (
     CLOSING,
     CREEP,
@@ -119,7 +119,7 @@ def commit(state, residual, q, pressure, weights, law):
     flown = 0.0
     if law[YIELD] > 0.0 and law[SHARE] > 1e-12:
         least, _, _ = threshold(state[2 * n], pressure, law, weights)
-        if q > least:
+        if q > AT_YIELD * least:
             total, _, _, _ = compliance(q, math.log(q), pressure, law, weights)
             slip = max(rho - total * q, 0.0)
             state[2 * n] += slip / (0.5 * math.sqrt(3.0) * law[SHARE])

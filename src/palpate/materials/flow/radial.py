@@ -80,6 +80,7 @@ DOWN, UP = 2.0, 1.0  # longest steps of ln q from far away: a law's sinh ends wh
 LOWEST, HIGHEST = -1e3, 1e3  # of ln q
 DEEP = 80.0  # range of ln(dalpha) below its largest value
 HARDENING = 1e-9  # of G, least hardening in the tangent
+AT_YIELD = 1.0 - 1e-9  # of the yield stress, from which a body may have flowed: one without hardening never exceeds it
 ROOT3 = math.sqrt(3.0)
 
 

@@ -17,7 +17,7 @@ from numba import njit
 from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.arithmetic import whole
 from palpate.materials.flow.dispatch import fluidity_of
-from palpate.materials.flow.radial import UNKNOWN, compliance, threshold
+from palpate.materials.flow.radial import AT_YIELD, UNKNOWN, compliance, threshold
 from palpate.materials.flow.row import (
     CLOSING,
     CREEP,
@@ -132,6 +132,7 @@ def plastic_strain(rho, q, log_q, alpha, pressure, law, step):
     """Return the length of the plastic strain deviator of a step."""
     if whole(law, YIELD) > 0:
         least, _, _ = threshold(alpha, pressure, law, step)
+        least = AT_YIELD * least
         if greatest(q - least) > 0.0:
             total, _, _, _ = compliance(q, log_q, pressure, law, step)
             slip = where_less(least, q, rho - total * q, splat(0.0))

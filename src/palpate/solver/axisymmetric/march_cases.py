@@ -27,6 +27,7 @@ from palpate.solver.axisymmetric.discretisation import steps_of_samples
 from palpate.solver.axisymmetric.drive import Drives
 from palpate.solver.axisymmetric.element import Body
 from palpate.solver.axisymmetric.fields import Moment
+from palpate.solver.axisymmetric.folding import upright
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.lanes import LANES
@@ -157,6 +158,8 @@ def run_lanes(
         if lost.any():
             parts = np.where(carries[k], 1, 2)
             found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
+        if lanes[0].large:
+            found &= upright(mesh, states.displacement)
         going &= found | (k >= unloaded)
         for failed in np.flatnonzero(going & ~found):
             reasons[failed] = f"no equilibrium beyond {begin[failed]:.4g} s"
