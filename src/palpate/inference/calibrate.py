@@ -163,8 +163,8 @@ def base_fit(
     Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
     estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
     replicates noise cannot be distinguished from misfit: the fit comes as close to the curves as it can, with no
-    factor of the site free, and allows for a discrepancy; intervals allow for sites, and take what the fit leaves
-    beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
+    factor of the site or of the solver free, and allows for a discrepancy; intervals allow for both, and take what the
+    fit leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
 
     Parameters
     ----------
@@ -180,19 +180,20 @@ def base_fit(
         Called with one line on the progress.
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
-    scatter = settings.site_scatter if problem.replicated else 0.0
-    fitter, begun = Fitter(brought, scatter, settings.solver_error), [coordinates.scaled(values) for values in starts]
+    usual = Fitter(brought, settings.site_scatter, settings.solver_error)
+    fitter = usual if problem.replicated else replace(usual, site_scatter=0.0, solver_error=0.0)
+    begun = [coordinates.scaled(values) for values in starts]
     fit = _from_optimum(fitter, begun[0]) if problem.replicated else None
     if fit is None:
         fitter = replace(fitter, problem=brought)
         fit = fitter.base([*begun, *fitter.scattered(rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), refused)
-        fitter = Fitter(brought, scatter, settings.solver_error)
+        fitter = replace(fitter, problem=brought)
         fit = fitter.base([fit.z])
     fit = on_finer_meshes(fitter, fit)
     if not problem.replicated:
-        fitter = replace(fitter, site_scatter=settings.site_scatter)
+        fitter = replace(usual, problem=fitter.problem)
         fitter.use_residual_as_noise(fit.residual)
         fit = replace(fit, errors=fitter.errors((), fit.model, fit.z, fit.curve))
     return brought, fit

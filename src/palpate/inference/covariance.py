@@ -230,4 +230,12 @@ def errors(
     for key, effect in (effects or {}).items():
         common = common + np.outer(effect, effect) * MECHANISMS[key].solver_scatter ** 2
     counts = [len(problem.observed[c.name].response) for c in problem.conditions]
-    return Errors(noise, components(problem, own, depth), common, problem.refinements(model), counts)
+    return Errors(noise, components(problem, own, depth), common, of_mesh(problem, model, solver_error), counts)
+
+
+def of_mesh(problem: Problem, model: Forward, solver_error: float) -> list[np.ndarray]:
+    """Return what the last refinement of a model changed in each condition (n_points,) [nm].
+
+    It is nothing where no error of the solver is allowed for.
+    """
+    return [np.sign(solver_error) * change for change in problem.refinements(model)]

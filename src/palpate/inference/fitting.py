@@ -19,7 +19,7 @@ from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.between_conditions import with_own_values
-from palpate.inference.covariance import Errors, errors, noise_of
+from palpate.inference.covariance import Errors, errors, noise_of, of_mesh
 from palpate.inference.descent import Descent, Until
 from palpate.inference.effects import effects_at
 from palpate.inference.explanation import Fit
@@ -133,7 +133,7 @@ class Fitter:
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
-        until = replace(until, tolerance=tolerance, exact=False)
+        until = replace(until, tolerance=tolerance, exact=not (explanation or problem.replicated))
         if any(fit.errors.between.values()):
             end = descend(self.goal(fit), model, [end], until)
             fit = self.at_end(explanation, model, end, fit.errors)
@@ -149,7 +149,7 @@ class Fitter:
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
         """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""
-        fit = replace(fit, errors=replace(fit.errors, refinements=self.problem.refinements(record)))
+        fit = replace(fit, errors=replace(fit.errors, refinements=of_mesh(self.problem, record, self.solver_error)))
         return fit, self.goal(fit) if self.near(fit) else usual
 
     def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
