@@ -164,8 +164,7 @@ def base_fit(
     estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
     replicates noise cannot be distinguished from misfit: the fit comes as close to the curves as it can, with no
     factor of the site or of the solver free, and allows for a discrepancy; intervals allow for both, and take what the
-    fit leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`. Valleys are long then, and a
-    search that begins again at its end goes on by up to 0.3 nm root mean square in 8 (a polymer, six free parameters).
+    fit leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
 
     Parameters
     ----------
@@ -191,7 +190,6 @@ def base_fit(
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), refused)
         fitter = replace(fitter, problem=brought)
-    if brought is not problem or not problem.replicated:
         fit = fitter.base([fit.z])
     fit = on_finer_meshes(fitter, fit)
     if not problem.replicated:
