@@ -214,9 +214,11 @@ class Refined(ClosedForms):
 
 
 def test_curves_may_err_by_what_the_refinement_changed():
-    """A part of it under all conditions alike, and half of that part under each alone."""
+    """A part of it under all conditions alike, and half of that part under each alone; none if the solver is exact."""
     task = replace(problem(recordings(np.random.default_rng(1))), forward=Refined(CONDITIONS))
-    found = errors(task, task.forward, (), task.mean, noise_of(task, (), task.mean, 0.01), 0.0)
+    noise = noise_of(task, (), task.mean, 0.01)
+    found, exact = (errors(task, task.forward, (), task.mean, noise, solver) for solver in (1e-9, 0.0))
+    assert not np.any(exact.refinements)
     parts = {name: np.zeros(len(item.mean)) for name, item in task.observed.items()}
     for of_b, chi_square in ((2.0, 2.0 / 2.25), (-2.0, 2.0 / 0.25)):
         off = REFINED * task.stacked(parts | {"a": np.full(len(parts["a"]), 5.0), "b": np.full(len(parts["b"]), of_b)})
