@@ -10,7 +10,7 @@ from scipy.stats import norm
 from palpate.base.parameters import Parameter, in_words
 from palpate.diagnosis import missing_physics
 from palpate.diagnosis.locate import CERTAIN
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import MECHANISMS, Mechanism
 
 RISEN = 1.05  # ratio of errors from which they are reported to rise
 CLEARLY = 0.01  # p-value below which a residual is called more than noise
@@ -55,9 +55,15 @@ def _hidden(content: Mapping[str, Any]) -> str:
     if not test:
         return ""
     ((name, value),) = test["hidden_effect"].items()
+    mechanism, parameter = _amplitude(name)
+    return f"a {mechanism.title} of {_amount(value, parameter, 2)}, which these do not exclude, from none"
+
+
+def _amplitude(name: str) -> tuple[Mechanism, Parameter]:
+    """Return the mechanism and the parameter behind ``key.name``."""
     key, own = name.split(".")
     (parameter,) = (p for p in MECHANISMS[key].parameters if p.name == own)
-    return f"a {MECHANISMS[key].title} of {_amount(value, parameter, 2)}, which these do not exclude, from none"
+    return MECHANISMS[key], parameter
 
 
 def _may_be_none(candidate: Mapping[str, Any]) -> str:
@@ -135,11 +141,10 @@ def _suspected(content: Mapping[str, Any]) -> str:
     suspected = []
     least = norm.isf(0.005 / max(len(content["undetected_effects"]), 1)) / norm.isf(0.025)
     for name, entry in content["undetected_effects"].items():
-        key, own = name.split(".")
-        (parameter,) = (p for p in MECHANISMS[key].parameters if p.name == own)
+        mechanism, parameter = _amplitude(name)
         if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
             interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
-            suspected.append(f"{MECHANISMS[key].title}, {_amount(entry['estimate'], parameter, 2)} {interval}")
+            suspected.append(f"{mechanism.title}, {_amount(entry['estimate'], parameter, 2)} {interval}")
     return f" Suspected, but not needed to explain the recordings: {'; '.join(suspected)}." if suspected else ""
 
 

@@ -11,7 +11,7 @@ compliance of the frame and of the mount, are listed once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -70,13 +70,16 @@ class Joined:
 
 def undetected_effects(fit: Fit, keys: Iterable[str]) -> dict[str, dict[str, float]]:
     """Return, as ``key.name``, estimate and 95 % interval of each mechanism in `keys` that only adds to the depth."""
-    found = {}
+    return {extra.name: _interval(fit, joined, place) for extra, joined, place in _each_beside(fit, keys)}
+
+
+def _each_beside(fit: Fit, keys: Iterable[str]) -> Iterator[tuple[Extra, Joined, int]]:
+    """Yield each amplitude of the mechanisms in `keys` that only add, how all changes with it, and its place there."""
     for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
         extras = _amplitudes(fit, [key], prior_variance=np.inf)
         joined = _joined(fit, extras)
         for place, extra in enumerate(extras, len(fit.z)):
-            found[extra.name] = _interval(fit, joined, place)
-    return found
+            yield extra, joined, place
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,17 +108,14 @@ def largest_undetected(fit: Fit, keys: Iterable[str]) -> UndetectedEffect | None
     It is one of the mechanisms in `keys` that only add to the depth, as in `undetected_effects`.
     """
     found, own = [], len(fit.z)
-    for key in [key for key in keys if key not in fit.explanation and _only_adds(key)]:
-        extras = _amplitudes(fit, [key], prior_variance=np.inf)
-        joined = _joined(fit, extras)
-        for place, extra in enumerate(extras, own):
-            interval = _interval(fit, joined, place)
-            value = max(interval["lower"], interval["upper"], key=abs)
-            along = joined.covariance[:own, place] / joined.covariance[place, place]
-            change = joined.change[:own] + along * (value - joined.change[place])
-            adds = abs(value) * float(np.abs(extra.column).max())
-            (amplitude,) = (each for each in fit.problem.typical(key) if str(each) == extra.name)
-            found.append(UndetectedEffect(amplitude, value, change, adds))
+    for extra, joined, place in _each_beside(fit, keys):
+        interval = _interval(fit, joined, place)
+        value = max(interval["lower"], interval["upper"], key=abs)
+        along = joined.covariance[:own, place] / joined.covariance[place, place]
+        change = joined.change[:own] + along * (value - joined.change[place])
+        adds = abs(value) * float(np.abs(extra.column).max())
+        (amplitude,) = (each for each in fit.problem.typical(extra.key) if str(each) == extra.name)
+        found.append(UndetectedEffect(amplitude, value, change, adds))
     largest = max(found, key=lambda effect: effect.adds, default=None)
     return largest if largest and largest.adds > COARSE * float(np.abs(fit.problem.mean).max()) else None
 
