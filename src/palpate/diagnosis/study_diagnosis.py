@@ -100,7 +100,7 @@ def diagnosed(
     )
     found = diagnose(search, report)
     own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
-    content, curves = to_mapping(study, problem.observed, found, rng, own_laws, search.screen.keys)
+    content, curves = to_mapping(study, problem.observed, found, rng, search.screen, own_laws)
     best = found.accepted[0] if found.accepted else found.base
     explained = found.verdict != "unexplained"
     content["undetected_effects"] = undetected_effects(best.fit, search.screen.keys) if explained else {}
