@@ -45,7 +45,7 @@ def explanations(considered=10, estimated=None, **evidences):
     for keys, evidence in evidences.items():
         found.add(candidate(keys.replace("__", "+"), evidence))
     for keys, evidence in (estimated or {}).items():
-        found.estimate(frozenset(keys.split("+")), evidence)
+        found.estimate(frozenset(keys.split("+")), frozenset(), evidence)
     return found
 
 

@@ -129,7 +129,7 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
             each = ExplanationToTry(fit, key, search.log_evidence(fit, key))
             if each.members in found.fitted or "+".join(sorted(each.members)) in failed:
                 continue
-            found.estimate(each.members, each.log_evidence)
+            found.estimate(each.members, frozenset(fit.explanation), each.log_evidence - fit.log_evidence)
             if each.members not in to_try or each.log_evidence > to_try[each.members].log_evidence:
                 to_try[each.members] = each
 

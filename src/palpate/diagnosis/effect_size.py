@@ -1,7 +1,8 @@
 """By how much a mechanism changes the curves of an explanation, and how probable it is that this counts.
 
 A mechanism acts if it changes the mean depth of some part of a test, half of a segment, by more than a stated share of
-the depth. The change is known as well as the coordinates of its amplitudes are: it is normal to first order.
+the depth. The change is known as well as the coordinates of its amplitudes are: it is normal to first order. Where an
+amplitude differs between recordings, the root of its mean square counts: drifts of either sign act, too.
 """
 
 from __future__ import annotations
@@ -43,10 +44,12 @@ def effect_size(fit: Fit, key: str) -> EffectSize:
     if isinstance(without, str) or isinstance(with_it, str):
         return EffectSize(0.0, 0.0)
     change = problem.stacked(with_it) - problem.stacked(without)
+    varying = [(problem.unit_effects(a), fit.errors.noise.variances[str(a)]) for a in fit.own if a.key == key]
     places = problem.places(fit.explanation)[key]
     found = EffectSize(0.0, 0.0)
     for weights in parts(problem, fit.curve):
-        size = abs(float(weights @ change))
+        scatter = sum(variance * float(weights @ column) ** 2 for column, variance in varying)
+        size = float(np.hypot(weights @ change, np.sqrt(scatter)))
         if size > found.size:
             slope = weights @ fit.tangent[:, places]
             found = EffectSize(size, float(np.sqrt(slope @ fit.posterior[np.ix_(places, places)] @ slope)))

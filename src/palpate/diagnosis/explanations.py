@@ -41,12 +41,13 @@ class Explanations:
     fitted
         The best fit of each set, by its mechanisms.
     estimated
-        Log evidence to first order of sets that were not fitted.
+        Of sets that were not fitted the smaller set from which they were estimated, and what the mechanism that joins
+        adds to its log evidence to first order.
     """
 
     considered: int
     fitted: dict[Members, Candidate] = field(default_factory=dict)
-    estimated: dict[Members, float] = field(default_factory=dict)
+    estimated: dict[Members, tuple[Members, float]] = field(default_factory=dict)
 
     def add(self, candidate: Candidate) -> None:
         """Add a fit; of one set the likeliest counts, and one that an exact law contradicts does not."""
@@ -56,10 +57,16 @@ class Explanations:
             return
         self.fitted[members] = candidate
 
-    def estimate(self, members: Members, log_evidence: float) -> None:
-        """Add the log evidence of a set to first order; the largest of several counts."""
-        if members not in self.fitted:
-            self.estimated[members] = max(log_evidence, self.estimated.get(members, -np.inf))
+    def estimate(self, members: Members, smaller: Members, gain: float) -> None:
+        """Add what a set gains over a fitted smaller one to first order; the likeliest of several estimates counts."""
+        if members in self.fitted:
+            return
+        before = self.estimated.get(members)
+        if before is None or self.fitted[smaller].fit.log_evidence + gain > self._estimate(*before):
+            self.estimated[members] = smaller, gain
+
+    def _estimate(self, smaller: Members, gain: float) -> float:
+        return self.fitted[smaller].fit.log_evidence + gain
 
     def log_weight(self, members: Members) -> float:
         """Return the logarithm of evidence times prior of a set."""
@@ -67,7 +74,7 @@ class Explanations:
             candidate = self.fitted[members]
             found = -np.inf if candidate.contradicts else candidate.fit.log_evidence
         else:
-            found = self.estimated[members]
+            found = self._estimate(*self.estimated[members])
         return found + log_prior(len(members), self.considered)
 
     def probabilities(self) -> dict[Members, float]:
