@@ -185,12 +185,12 @@ def survivors(individuals: Sequence[Individual], count: int) -> list[Individual]
 
 
 def intermediate(rng: np.random.Generator, first: np.ndarray, second: np.ndarray, ratio: float) -> np.ndarray:
-    """Children first + rand * ratio * (second - first), a random number for each coordinate; all (n, dimensions)."""
+    """Children first + rand * ratio * (second - first), `rng` drawing a number for each coordinate; (n, dimensions)."""
     return reflect(first + rng.random(first.shape) * ratio * (second - first))
 
 
 def gaussian(rng: np.random.Generator, parents: np.ndarray, deviation: float) -> np.ndarray:
-    """Mutants: parents (n, dimensions) plus Gaussian noise of that standard deviation, in units of the range."""
+    """Mutants: parents (n, dimensions) plus Gaussian noise of `rng`, its deviation in units of the range."""
     return reflect(parents + deviation * rng.standard_normal(parents.shape))
 
 
