@@ -12,7 +12,6 @@ from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
-from palpate.inference.genetic import GeneticSettings
 from palpate.inference.least_squares import Misfit
 from palpate.inference.measures import error_measures, mean_square, relative
 from palpate.inference.observation import Observation
@@ -21,6 +20,7 @@ from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
+from palpate.surrogate.genetic import GeneticSettings
 from studies.thesis.surrogate_forward import SurrogateForward
 
 PROTOCOL = trapezoid(1.0, 0.5, 0, 0.5, points=50)

@@ -7,7 +7,7 @@ import pytest
 from deap import tools
 
 from palpate.errors import InputError
-from palpate.inference.genetic import (
+from palpate.surrogate.genetic import (
     GeneticSettings,
     deviation,
     evolve,

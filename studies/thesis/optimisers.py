@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
-from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.inference.study_recordings import observations
 from palpate.inference.surrogates import Surrogates
+from palpate.surrogate.genetic import GeneticSettings, evolve
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, ranges
 from studies.thesis.libraries import library
