@@ -14,7 +14,7 @@ from palpate.inference.coordinates import Coordinates
 from palpate.inference.fidelity import STUDY, Level
 from palpate.inference.forward import Curves
 from palpate.mechanisms import Mechanism, Scale
-from palpate.solver.simulation import Simulation, differentiated, simulate_batch, together
+from palpate.solver.simulation import Simulation, differentiated, points_per_batch, simulate_batch
 from palpate.solver.variation import Variation, added_by_instrument, applied_to_body
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification, finer, of_equivalent_cone
@@ -127,9 +127,9 @@ class BodyModel:
         alone = [replace(self, conditions=[each]) for each in self.conditions] if self.conditions[1:] else []
         return {name: curve for each in alone for name, curve in each.possible(u).items()}
 
-    def together(self, u: np.ndarray) -> int:
+    def points_per_batch(self, u: np.ndarray) -> int:
         """Return how many points near coordinates u (k,) are simulated in about the time of one."""
-        return together(self._bodies(u), self.level.few_sectors)
+        return points_per_batch(self._bodies(u), self.level.few_sectors)
 
     def instrument(self, u: np.ndarray, protocol: Protocol) -> np.ndarray:
         """Return what the instrument adds to the depth (n_samples,) [nm] at coordinates u (k,)."""

@@ -123,7 +123,7 @@ class FiniteElements:
 
     def together(self, u: np.ndarray) -> int:
         """See `Forward`: as many as fill the lanes of one run."""
-        return self._simulated.together(u)
+        return self._simulated.points_per_batch(u)
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:
         """See `Forward`."""

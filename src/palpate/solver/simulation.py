@@ -15,7 +15,7 @@ from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.march_cases import indent_batch, run_lanes
-from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, room
+from palpate.solver.axisymmetric.similar import free_lanes, indent_distinct, length_ratio
 from palpate.solver.pyramid.fields_3d import fields_of
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.solver.pyramid.indent_3d import indent_3d
@@ -142,20 +142,20 @@ def _simulation(specification: Specification, history: History) -> Simulation:
 
 def differentiated(
     specifications: Sequence[Specification],
-    beside: Sequence[Sequence[Variation]],
+    perturbed: Sequence[Sequence[Variation]],
     radii: np.ndarray | None = None,
     few_sectors: bool = False,
 ) -> list[tuple[Simulation, np.ndarray]]:
     """Simulate several indentations together with the derivatives by what their neighbours vary.
 
     They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`. What
-    the instrument alone feels costs no simulation; those that differ in size alone are simulated once.
+    changes the instrument alone costs no simulation; those that differ in size alone are simulated once.
 
     Parameters
     ----------
     specifications
         The indentations.
-    beside
+    perturbed
         Neighbours of each indentation, as many as there are derivatives.
     radii : ndarray, optional
         As for `simulate`.
@@ -176,17 +176,17 @@ def differentiated(
     if not all(specification.indenter.of_revolution for specification in specifications):
         raise axisymmetric_only("derivatives of the curve", "indenter.shape")
     solids = [applied_to_body(specification) for specification in specifications]
-    others = [[applied_to_body(variation.neighbour) for variation in row] for row in beside]
-    felt = [
+    others = [[applied_to_body(variation.neighbour) for variation in row] for row in perturbed]
+    changing = [
         [k for k, other in enumerate(row) if not _same_body(solid, other)]
         for solid, row in zip(solids, others, strict=True)
     ]
     histories = indent_distinct(
         [_case(solid, radii, few_sectors) for solid in solids],
-        [[_case(row[k], radii, few_sectors) for k in own] for row, own in zip(others, felt, strict=True)],
+        [[_case(row[k], radii, few_sectors) for k in own] for row, own in zip(others, changing, strict=True)],
     )
     outcomes = []
-    for specification, history, row, own in zip(specifications, histories, beside, felt, strict=True):
+    for specification, history, row, own in zip(specifications, histories, perturbed, changing, strict=True):
         simulation, columns = _simulation(specification, history), []
         for k, variation in enumerate(row):
             other = history
@@ -200,9 +200,9 @@ def differentiated(
 
 
 def _same_body(solid: Specification, other: Specification) -> bool:
-    """Return whether two indentations differ in nothing that the body feels."""
-    felt = [f.name for f in fields(Specification) if f.init and f.name not in ("protocol", "mechanisms")]
-    return solid.protocol is other.protocol and all(getattr(solid, name) == getattr(other, name) for name in felt)
+    """Return whether two indentations differ in nothing that changes the body."""
+    body = [f.name for f in fields(Specification) if f.init and f.name not in ("protocol", "mechanisms")]
+    return solid.protocol is other.protocol and all(getattr(solid, name) == getattr(other, name) for name in body)
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
@@ -298,11 +298,11 @@ def simulate_batch(
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
-def together(specifications: Sequence[Specification], few_sectors: bool = False) -> int:
+def points_per_batch(specifications: Sequence[Specification], few_sectors: bool = False) -> int:
     """Return how many indentations like each of these run in the time of one; those that differ in size are one."""
     if not all(specification.indenter.of_revolution for specification in specifications):
         return 1
-    return room([_case(applied_to_body(each), None, few_sectors) for each in specifications])
+    return free_lanes([_case(applied_to_body(each), None, few_sectors) for each in specifications])
 
 
 def alike(specification: Specification, other: Specification) -> bool:
