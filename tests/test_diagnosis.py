@@ -18,11 +18,10 @@ from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
 from palpate.inference.contrasts import Replicates, contrasts
-from palpate.inference.covariance import errors, noise_of
+from palpate.inference.covariance import errors, model_covariance, noise_of
 from palpate.inference.noise_fit import fit_noise
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
-from palpate.inference.solver_error import model_covariance
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.study.prescribed_segments import segments
 from palpate.study.protocol import trapezoid
@@ -38,7 +37,7 @@ SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=100, loading_time=10, 
 
 STUDY = SimpleNamespace(
     diagnosis={"bootstrap": 400, "largest_set": 2, "significance": 0.01},
-    calibration={"site_scatter": 0.01, "solver_error": 0.003},
+    calibration={"site_scatter": 0.01, "solver_error": 0.003, "law_error": 0.0},
 )
 
 
@@ -137,15 +136,6 @@ def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
     assert covariance == pytest.approx(np.outer(0.003 * task.mean, 0.003 * task.mean))
     off = 0.006 * task.mean
     assert off @ np.linalg.solve(covariance + 1e-6 * np.eye(len(off)), off) == pytest.approx(4.0, rel=1e-3)
-
-
-def test_a_law_that_is_stated_to_lack_something_may_differ_in_shape_as_well():
-    """What is stated beyond grid convergence varies by a third of itself along a test, and fades over a tenth of it."""
-    curve = np.full(100, 1000.0)
-    covariance = model_covariance({"a": curve}, 0.03, {})
-    change = covariance[0, 0] + covariance[60, 60] - 2.0 * covariance[0, 60]
-    assert np.sqrt(covariance[0, 0]) == pytest.approx(30.0, rel=0.06)
-    assert np.sqrt(change / 2.0) == pytest.approx(10.0, rel=0.03)
 
 
 def test_what_a_screen_promises_is_what_a_fit_gains():

@@ -9,11 +9,11 @@ import yaml
 from palpate.configuration.study_file import Condition, load_study
 from palpate.errors import InputError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
+from palpate.inference.covariance import model_covariance
 from palpate.inference.measures import error_measures
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.inference.recording_checks import check_drive
-from palpate.inference.solver_error import model_covariance
 from palpate.inference.study_recordings import check_given, observations
 from palpate.laboratory.virtual import disturbed
 from palpate.mechanisms import Scale

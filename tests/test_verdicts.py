@@ -77,7 +77,7 @@ def test_an_effect_in_no_library_stays_unexplained():
     found = diagnosed(problem(recordings(np.random.default_rng(7), wave)))
     assert (found.verdict, found.accepted, found.probabilities) == ("unexplained", [], [])
     assert {len(each.fit.explanation) for each in found.tried} == {0, 1, 2}
-    closest = found.tried[0].fit.with_discrepancy
+    closest = found.tried[0].fit.with_remainder
     assert closest.misfit_ratio == pytest.approx(1.0), "a discrepancy is what makes chi-square its degrees of freedom"
     left = [np.linalg.norm(each.fit.residual) for each in found.tried if len(each.fit.z) == len(closest.z)]
     assert np.linalg.norm(closest.residual) < 1.02 * min(left), "large beside the noise, what is left decides"

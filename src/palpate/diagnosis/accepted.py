@@ -85,7 +85,7 @@ def best_first(candidates: list[Candidate]) -> list[Candidate]:
 
 def closest_first(candidates: list[Candidate]) -> list[Candidate]:
     """Sort explanations that all fail by their evidence with a discrepancy."""
-    return sorted(candidates, key=lambda candidate: -candidate.fit.with_discrepancy.log_evidence)
+    return sorted(candidates, key=lambda candidate: -candidate.fit.with_remainder.log_evidence)
 
 
 def likeliest_of_each(candidates: list[Candidate]) -> list[Candidate]:

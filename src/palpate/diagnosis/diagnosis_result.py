@@ -172,7 +172,7 @@ def _next_test(
 
 def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
     """Return the row of an explanation that was fitted; its evidence is with a discrepancy where none is `accepted`."""
-    weighed = candidate.fit if accepted else candidate.fit.with_discrepancy
+    weighed = candidate.fit if accepted else candidate.fit.with_remainder
     return {
         "mechanisms": sorted(candidate.fit.explanation),
         "log_evidence": weighed.log_evidence,
@@ -210,8 +210,8 @@ def to_mapping(
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise
-    draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.accepted]
-    of_base = draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
+    draws = [posterior_draws(candidate.fit) for candidate in diagnosis.accepted]
+    of_base = draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit)
     before = material_parameters(base.fit, of_base, verdict == "adequate")
     after = material_parameters(best, draws[0], explained=True) if draws else before
     content = {

@@ -86,7 +86,8 @@ class Search:
     ):
         self.study, self._rng = study, rng
         self.policy = policy or SearchPolicy()
-        self._fitter = Fitter(problem, study.calibration["site_scatter"], study.calibration["solver_error"])
+        errors = (study.calibration[name] for name in ("site_scatter", "solver_error", "law_error"))
+        self._fitter = Fitter(problem, *errors)
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or self._fitter.scattered(rng))
         refined = on_finer_meshes if self.explains(base) else with_finer_curves

@@ -60,6 +60,9 @@ class Calibration:
         Whether the search on the forward model converged.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
+    discrepancy
+        `share`, `lower` and `upper` of the standard deviation of the law's discrepancy as a share of the depth, 95 %
+        interval; None where the law is taken to be exact.
     correlation
         Correlations of the free parameters, by name.
     noise
@@ -84,6 +87,7 @@ class Calibration:
     on_surrogates: Mapping[str, float]
     converged: bool
     misfit_ratio: float
+    discrepancy: Mapping[str, float] | None
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
     evaluations: int

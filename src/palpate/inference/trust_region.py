@@ -88,7 +88,7 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
         for search in searches:
             stalled = len(search.gains) >= STALLED and sum(search.gains[-STALLED:]) < until.least_gain
             search.active &= not stalled and (iteration < PATIENCE or rms[search] <= BEHIND * least[-1])
-    weights = misfit.weights(min(misfit.discrepancy(misfit.residual(search.curves)) for search in searches))
+    weights = misfit.weights(min(misfit.remainder(misfit.residual(search.curves)) for search in searches))
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
 
@@ -158,7 +158,7 @@ def _check(until: Until) -> None:
 
 def _hopeless(misfit: Misfit, search: Descent, reach: float) -> bool:
     """Return whether a search is not expected to reach a chi-square by the known errors, see `GENEROUS`."""
-    steps = Steps.of(misfit, search, discrepancy=0.0)
+    steps = Steps.of(misfit, search, remainder=0.0)
     promised = steps.predicted_decrease(steps.end(LARGEST_STEP))
     return float(steps.residual @ steps.residual) - GENEROUS * promised > reach
 

@@ -84,7 +84,7 @@ def settings_of(study: Study) -> CalibrationSettings:
     """Return the calibration settings of a study."""
     given = dict(study.calibration)
     own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
-    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error")}
+    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error", "law_error")}
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
