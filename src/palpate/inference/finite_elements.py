@@ -5,9 +5,8 @@ Without anchors they are those of one level of fidelity. With anchors a fast lev
 by 1 to 3 % on the usual mesh. What friction, adhesion or yielding does depends on the edge of contact: derivatives by
 the first two are off by 10 to 12 %, those by a hardening by tens of per cent, and least squares with them end elsewhere
 than with a finer mesh. So there a search ends with derivatives of a mesh that is finer by one degree than the study's,
-and with curves of one that is finer by two, both of few samples. To these is added what the last degree changed where
-the search arrived: with an error of second order in the spacing, about as much is left (L. F. Richardson, Phil. Trans.
-A 210 (1911) 307-357). Derivatives by the thickness of a film, whose interface crosses elements, gain nothing by that.
+and with curves of one that is finer by two, extrapolated where the search arrived. Derivatives by the thickness of a
+film, whose interface crosses elements, gain nothing by that.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ class Forward(Protocol):
         """Return the parameters of each mechanism at coordinates u (k,), by its key."""
 
     def of_record(self, u: np.ndarray) -> Forward:
-        """Return the model of record, the most accurate one, with references near coordinates u (k,)."""
+        """Return the model of record, the most accurate one, anchored near coordinates u (k,)."""
 
     def refined(self, u: np.ndarray) -> Forward | None:
         """Return the same with the curves of finer meshes at coordinates u (k,) and near by; None without."""

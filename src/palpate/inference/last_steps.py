@@ -3,8 +3,7 @@
 The model of record rests on a mesh that is finer by one degree than the study's. Its curves of creeping bodies err by
 some 0.07 % of the depth, which moved the estimates of four cases of the blind trial by up to 1.3 standard deviations,
 and left 2.4 to 4.3 standard deviations of the noise in the residual. So a fit that explains replicates ends with curves
-of a mesh that is finer by two degrees, to which is added what the last degree changed where the fit arrived: with an
-error of second order in the spacing, about as much is left (L. F. Richardson, Phil. Trans. A 210 (1911) 307-357). The
+of a mesh that is finer by two degrees, extrapolated where the fit arrived (`palpate.inference.anchors.richardson`). The
 same part of the depth serves other explanations meanwhile: with a film it leaves a quarter of the error, with a rounded
 tip half.
 """
