@@ -22,9 +22,9 @@ from palpate.inference.contrasts import Replicates, contrasts
 from palpate.inference.covariance import errors, model_covariance, noise_of
 from palpate.inference.noise_fit import fit_noise
 from palpate.inference.observation import Observation
-from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.study.prescribed_segments import segments
 from palpate.study.protocol import trapezoid
 from palpate.study.quantity import Quantity
 

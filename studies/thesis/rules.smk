@@ -1,8 +1,18 @@
 # Every study of the thesis, from its curves to one page of verdicts: snakemake --cores 2 thesis
 from studies.thesis import DESIGNS, STUDIES
+from studies.thesis.libraries import library
 
 THESIS = "results/thesis"
 MATERIALS = {name: f"config/thesis/{name}.yaml" for name in ("aluminium", "epoxy")}
+
+
+def with_libraries(kind, files):
+    """The inputs of a study or a design, once the libraries that it needs are found."""
+    try:
+        list(map(library, kind.libraries))
+    except InputError as error:
+        refuse(error)
+    return files
 
 
 rule thesis:
@@ -33,7 +43,9 @@ rule thesis_design:
         outcomes=lambda wildcards: expand(
             f"{THESIS}/{{study}}.json", study=DESIGNS[wildcards.design].after
         ),
-        studies=lambda wildcards: [MATERIALS[DESIGNS[wildcards.design].material]],
+        studies=lambda wildcards: with_libraries(
+            DESIGNS[wildcards.design], [MATERIALS[DESIGNS[wildcards.design].material]]
+        ),
     output:
         f"{THESIS}/designs/{{design}}.npz",
     log:
@@ -41,7 +53,7 @@ rule thesis_design:
     wildcard_constraints:
         design="|".join(map(re.escape, DESIGNS)),
     conda:
-        "../../envs/palpate.yaml"
+        "../../envs/studies.yaml"
     params:
         code=lambda wildcards: fingerprint(
             "palpate.solver.simulation", DESIGNS[wildcards.design].module
@@ -59,11 +71,14 @@ rule thesis_study:
             f"{THESIS}/recordings/{{material}}",
             material=STUDIES[wildcards.key].recordings,
         ),
-        studies=lambda wildcards: sorted(
-            {
-                MATERIALS[DESIGNS[name].material]
-                for name in STUDIES[wildcards.key].designs
-            }
+        studies=lambda wildcards: with_libraries(
+            STUDIES[wildcards.key],
+            sorted(
+                {
+                    MATERIALS[DESIGNS[name].material]
+                    for name in STUDIES[wildcards.key].designs
+                }
+            ),
         ),
     output:
         outcome=f"{THESIS}/{{key}}.json",
@@ -74,7 +89,7 @@ rule thesis_study:
     wildcard_constraints:
         key="|".join(STUDIES),
     conda:
-        "../../envs/palpate.yaml"
+        "../../envs/studies.yaml"
     params:
         code=lambda wildcards: fingerprint(f"studies.thesis.{wildcards.key}"),
     script:

@@ -12,7 +12,7 @@ from scipy.stats import t as student
 
 from palpate.inference.estimated_noise import freedom
 from palpate.inference.explanation import Fit
-from palpate.inference.prescribed_segments import segments
+from palpate.study.prescribed_segments import segments
 
 CERTAIN = 0.05  # share of false discoveries below which a misfit of a part is reported
 

@@ -21,13 +21,13 @@ from palpate.inference.estimates import (
 )
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
-from palpate.inference.genetic import GeneticSettings
 from palpate.inference.genetic_stage import genetic_search
 from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
 from palpate.inference.surrogates import Predictor, Surrogates
+from palpate.surrogate.genetic import GeneticSettings
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 

@@ -31,9 +31,9 @@ from palpate.inference.discrepancy import Discrepancy
 from palpate.inference.forward import Forward
 from palpate.inference.noise import NoiseModel
 from palpate.inference.noise_fit import fit_noise
-from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.study.prescribed_segments import segments
 
 ASSUMED_RANDOM_WALK = 0.02  # nm/s^0.5, standard deviation of the walk after a second without replicates
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}

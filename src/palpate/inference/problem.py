@@ -19,7 +19,8 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.forward import Curves, FiniteElements, Forward
+from palpate.inference.finite_elements import FiniteElements
+from palpate.inference.forward import Curves, Forward
 from palpate.inference.observation import Observation
 from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS, Scale

@@ -29,7 +29,6 @@ import numpy as np
 from palpate.errors import PalpateError
 from palpate.inference.damped_steps import Steps
 from palpate.inference.descent import LARGEST_STEP, Descent, Until
-from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
@@ -118,7 +117,7 @@ def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Desce
 
 
 def gauss_newton(
-    misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float, first_order: float
+    misfit: Misfit, model: Forward, way: Descent, most: int, tolerance: float, first_order: float
 ) -> Descent:
     """Take Gauss-Newton steps, with secant updates of the slopes, as long as they lower chi-square on finer meshes.
 
@@ -144,7 +143,7 @@ def gauss_newton(
             if predicted >= tolerance:
                 way.move(end, way.predicted(end))
             break
-        curves, here = model.curves(end), misfit.chi_square(way.curves, way.u, steps.weights)
+        (curves,), here = model.curves([end]), misfit.chi_square(way.curves, way.u, steps.weights)
         if isinstance(curves, str) or misfit.chi_square(curves, end, steps.weights) > here:
             break
         way.move(end, curves)

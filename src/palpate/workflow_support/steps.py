@@ -13,7 +13,6 @@ import pandas as pd
 from palpate.configuration.study_file import Study
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import Calibration
-from palpate.inference.genetic import GeneticSettings
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
@@ -21,6 +20,7 @@ from palpate.inference.study_recordings import observations
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
+from palpate.surrogate.genetic import GeneticSettings
 from palpate.surrogate.missing import checked_missing
 from palpate.surrogate.saved import load
 
