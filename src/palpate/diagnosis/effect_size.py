@@ -14,8 +14,8 @@ import numpy as np
 from scipy.stats import norm
 
 from palpate.inference.explanation import Fit
-from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
+from palpate.study.prescribed_segments import segments
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from scipy.special import logsumexp
 from palpate.inference.discrepancy import Discrepancy, Marginal, correlation_factor
 from palpate.inference.estimates import law_discrepancy
 from palpate.inference.explanation import DENSITY_ONE, Fit
-from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
+from palpate.study.prescribed_segments import segments
 from palpate.study.protocol import Protocol
 
 CLASSES = ("scaling", "length", "clock", "reversal")
