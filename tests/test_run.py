@@ -130,6 +130,29 @@ def test_what_ends_the_command_ends_its_jobs(number):
     assert not job.is_running()
 
 
+@pytest.mark.faults(before="the jobs went on where the signal came before the command knew of them")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_that_comes_while_jobs_are_begun_ends_them(number):
+    script = f"""
+import os, subprocess, sys
+from palpate.cli import run
+
+class Interrupted(subprocess.Popen):
+    def _execute_child(self, *arguments):
+        super()._execute_child(*arguments)
+        print(self.pid, flush=True)
+        os.kill(os.getpid(), {int(number)})
+
+run.subprocess.Popen = Interrupted
+run._environment = lambda: os.environ
+run._executed([sys.executable, "-c", "import time; time.sleep(60)"])
+"""
+    process = begun([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    job = int(process.stdout.readline())
+    assert process.wait(timeout=30) != 0
+    assert not psutil.pid_exists(job)
+
+
 @pytest.mark.parametrize("data", ["2024", "2024/1.5"])
 def test_data_may_have_the_name_of_a_number(folder, data, capsys, monkeypatch):
     """The folder of the instrument's file, or the file."""

@@ -21,6 +21,7 @@ CLONE = Path(__file__).parents[3]
 WHEEL = Path(__file__).parents[1] / "workflow"
 ROOM = 20 << 20  # bytes of the results of a small study
 PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, the batch system, a terminal that is closed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -104,17 +105,27 @@ def _environment() -> dict[str, str]:
 
 
 def _executed(command: Sequence[str]) -> int:
-    """Return the exit code of an execution, which ends with all of its jobs and its lock when it is interrupted."""
+    """Return the exit code of an execution, which ends with all of its jobs and its lock when it is interrupted.
+
+    Signals wait until the process is known: one that came while it is begun would leave it behind.
+    """
     from palpate.workflow_support import killed_run
 
-    for asked_to_end in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(asked_to_end) is not signal.SIG_IGN:  # as nohup sets it
-            signal.signal(asked_to_end, signal.default_int_handler)
-    process = subprocess.Popen(command, env=_environment(), start_new_session=True)
+    for number in ENDING[1:]:
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets it
+            signal.signal(number, signal.default_int_handler)
+    environment, before = _environment(), signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+
+    def unblock() -> None:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    process = subprocess.Popen(command, env=environment, start_new_session=True, preexec_fn=unblock)
     try:
+        unblock()
         return process.wait()
     except KeyboardInterrupt:
-        os.killpg(process.pid, signal.SIGINT)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(PATIENCE)
         with contextlib.suppress(ProcessLookupError):
