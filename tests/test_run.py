@@ -198,29 +198,36 @@ def states(folder):
 
 
 @pytest.mark.faults(before="an edited number went into the report; a cut table was a traceback")
-def test_results_that_were_altered_are_made_again(undisturbed, tmp_path):
-    """What is only planned leaves them as they are; an execution keeps those that it makes again."""
+def test_results_that_were_altered_are_refused_and_made_again_where_that_is_asked(undisturbed, tmp_path):
+    """Nothing is moved, in an execution, a plan or when a folder is unlocked."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     results = tmp_path / "results/elastic"
     calibration = results / "lab/calibrations/all.json"
     calibration.write_text(calibration.read_text().replace('"estimate": 2.', '"estimate": 3.'))
     (results / "snapshots/A_000.csv").write_text("")
-    (results / "surrogates/A.npz").write_bytes(b"PK")
     before = states(results)
-    planned = run(tmp_path, "study.yaml", "--cores", "1", "--dry-run")
+    line = (
+        "palpate: results/elastic/lab/calibrations/all.json, results/elastic/snapshots/A_000.csv: are not as their jobs "
+        "made them; delete them, or make all again with --forcerun calibration_on_all snapshots"
+    )
+    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--configfile", "study.yaml"]
+    for how in (["--unlock"], ["--cores", "1", "-n"], ["--cores", "1"]):
+        refused = subprocess.run([*command, *how], cwd=tmp_path, capture_output=True, text=True)
+        assert (refused.returncode, refused.stderr.splitlines()[-1]) == (2, line)
+    for how in ([], ["--dry-run"]):
+        refused = run(tmp_path, "study.yaml", "--cores", "1", *how)
+        assert (refused.returncode, refused.stderr.splitlines()[-1]) == (2, line)
+    assert states(results) == before
+    calibration.unlink()
+    forced = ["--forcerun", "snapshots", "--cores", "1"]
+    planned = run(tmp_path, "study.yaml", *forced, "--dry-run")
     rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
     assert {"calibration_on_all", "snapshots", "surrogate", "report", "tracking"} <= rules
-    said = f"{calibration.relative_to(tmp_path)} is not as it was made; when it is made again, it is kept as all.json.a"
-    assert said in planned.stderr
-    command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--configfile", "study.yaml"]
-    subprocess.run([*command, "--unlock"], cwd=tmp_path, check=True)
-    assert states(results) == before
-    subprocess.run([*command, "--cores", "1", "--", "results/elastic/snapshots/A_000.csv"], cwd=tmp_path, check=True)
-    assert (results / "snapshots/A_000.csv.altered").read_bytes() == b""
+    subprocess.run([*command, *forced, "--", "results/elastic/snapshots/A_000.csv"], cwd=tmp_path, check=True)
     made = (undisturbed / "results/elastic/snapshots/A_000.csv").read_bytes()
     assert (results / "snapshots/A_000.csv").read_bytes() == made
-    for other in (results / "lab", results / "surrogates"):
-        assert states(other) == {file: state for file, state in before.items() if file.is_relative_to(other)}
+    other = results / "surrogates"
+    assert states(other) == {file: state for file, state in before.items() if file.is_relative_to(other)}
 
 
 @pytest.mark.faults(before="Snakemake asked for --unlock, for which an installed package has no Snakefile")

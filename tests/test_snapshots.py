@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from palpate.base import kernel_cache, source_code
-from palpate.base.fingerprint import closure, content
+from palpate.base.checksum import content
+from palpate.base.fingerprint import closure
 from palpate.base.source_code import canonical
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError, PalpateError

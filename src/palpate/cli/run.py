@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--cores", type=_cores, default=os.cpu_count() or 1, metavar="N", help="number of cores (default: all)"
     )
     parser.add_argument("--data", help="the instrument's file, in place of source.file in the study")
+    parser.add_argument("--forcerun", nargs="+", default=[], metavar="RULE", help="rules or results to make again")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would be done, and do nothing")
 
 
@@ -47,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
     command += ["--config", f"data={_as_text(arguments.data)}"] if arguments.data else []
+    command += ["--forcerun", *arguments.forcerun] if arguments.forcerun else []
     command += ["--dry-run"] if arguments.dry_run else []
     if arguments.dry_run:
         return subprocess.run(command, env=_environment(), check=False).returncode

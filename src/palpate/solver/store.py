@@ -9,7 +9,6 @@ checksums within it, and simulated again.
 from __future__ import annotations
 
 import functools
-import hashlib
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,7 +20,8 @@ import numpy as np
 import pandas as pd
 
 from palpate.base.classes import classes_of
-from palpate.base.fingerprint import content, fingerprint
+from palpate.base.checksum import content_checksum
+from palpate.base.fingerprint import fingerprint
 from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import InputError, PalpateError
@@ -92,7 +92,7 @@ class Batch:
     def identity(self) -> str:
         """Hash of what decides the curves: the cells, and the first one's curve under each condition."""
         first = [self._snapshot(self.cells[0], condition).address for condition in self.conditions]
-        return hashlib.sha256(json.dumps([first, content(self.cells)]).encode()).hexdigest()[:24]
+        return content_checksum([first, self.cells])[:24]
 
     def _snapshot(self, cell: Mapping[str, float], condition: Condition) -> Snapshot:
         return Snapshot(cell, condition.name, of_equivalent_cone(self.study.specification(cell, condition)))
@@ -100,8 +100,8 @@ class Batch:
 
 def address(specification: Specification) -> str:
     """Return the address of the curve that `specification` decides: a hash of all its fields and of the physics."""
-    decides = {"specification": content(specification), "physics": fingerprint("palpate.solver.simulation")}
-    return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()[:24]
+    decides = {"specification": specification, "physics": fingerprint("palpate.solver.simulation")}
+    return content_checksum(decides)[:24]
 
 
 def plan(study: Study) -> list[Batch]:
