@@ -9,7 +9,7 @@ from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 LOADS = np.array([1e-3, 0.1, 4.0])
 BURGERS = {

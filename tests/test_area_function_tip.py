@@ -19,7 +19,7 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
 
 BLUNT = [24.56, 2000.0, -300.0, 500.0]
 MODULUS, RATIO = 3.28, 0.45

@@ -13,7 +13,7 @@ from palpate.materials.flow.point import commit, history, length, solve, state_s
 from palpate.materials.flow.row import step_weights
 from palpate.output.export.abaqus import SUBROUTINE, user_constants
 from palpate.solver.simulation import specification_from
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 pytestmark = pytest.mark.skipif(not shutil.which("gfortran"), reason="gfortran is not installed")
 ONE = EPOXY

@@ -15,7 +15,7 @@ from palpate.solver.simulation import specification_from, states_at
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
 
 SPEC = {
     "material": {"model": "burgers_plasticity", **BURGERS, "yield_stress": 0.15, "hardening": 0.3},

@@ -14,7 +14,7 @@ from palpate.output.figures.stress_fields import nodal
 from palpate.solver.axisymmetric.fields import von_mises
 from palpate.solver.axisymmetric.newton import TOLERANCE
 from palpate.solver.simulation import fields_at, simulate, specification_from
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {
     "model": "burgers_plasticity",

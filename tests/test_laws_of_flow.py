@@ -12,7 +12,7 @@ from palpate.materials.flow.point import solve
 from palpate.materials.flow.radial import NOTHING, TOLERANCE, compliance, solve_radial, threshold
 from palpate.materials.flow.row import SHARE, SHEAR, in_series, step_weights
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
 
 HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
 CREEP = {name: value for name, value in BURGERS.items() if name not in HOOKE}

@@ -15,7 +15,7 @@ from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, specification_from
 from palpate.solver.variation import applied_to_body
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BASE = {
     "material": {"model": "nonlinear_burgers", **EPOXY},

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from palpate.verification import reference_curves
-from palpate.verification.case import Settings
+from studies.verification.case import Settings
+from studies.verification.cases import reference_curves
 
 FOLDER = Path(__file__).parent.parent.parent / "shared/reference"
 pytestmark = pytest.mark.skipif(

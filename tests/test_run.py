@@ -36,7 +36,16 @@ STUDY = {
     "calibration": {"population": 16, "generations": 4},
     "diagnosis": {"enabled": False},
 }
-APART = ("logs", "tracking", "mlartifacts", "mlflow.db", "mlflow.db.lock", "snapshots", "report.manifest.json")
+APART = (
+    "logs",
+    "benchmarks",
+    "tracking",
+    "mlartifacts",
+    "mlflow.db",
+    "mlflow.db.lock",
+    "snapshots",
+    "report.manifest.json",
+)
 
 
 @pytest.fixture
@@ -204,12 +213,11 @@ def test_results_that_were_altered_are_refused_and_made_again_where_that_is_aske
     results = tmp_path / "results/elastic"
     calibration = results / "lab/calibrations/all.json"
     calibration.write_text(calibration.read_text().replace('"estimate": 2.', '"estimate": 3.'))
-    (results / "snapshots/A_000.csv").write_text("")
+    (results / "snapshots/A_000.parquet").write_bytes(b"")
     before = states(results)
-    line = (
-        "palpate: results/elastic/lab/calibrations/all.json, results/elastic/snapshots/A_000.csv: are not as their jobs "
-        "made them; delete them, or make all again with --forcerun calibration_on_all snapshots"
-    )
+    files = "results/elastic/lab/calibrations/all.json, results/elastic/snapshots/A_000.parquet"
+    remedy = "delete them, or make all again with --forcerun calibration_on_all snapshots"
+    line = f"palpate: {files}: are not as their jobs made them; {remedy}"
     command = [sys.executable, "-m", "snakemake", "--snakefile", ROOT / "Snakefile", "--configfile", "study.yaml"]
     for how in (["--unlock"], ["--cores", "1", "-n"], ["--cores", "1"]):
         refused = subprocess.run([*command, *how], cwd=tmp_path, capture_output=True, text=True)
@@ -223,9 +231,9 @@ def test_results_that_were_altered_are_refused_and_made_again_where_that_is_aske
     planned = run(tmp_path, "study.yaml", *forced, "--dry-run")
     rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
     assert {"calibration_on_all", "snapshots", "surrogate", "report", "tracking"} <= rules
-    subprocess.run([*command, *forced, "--", "results/elastic/snapshots/A_000.csv"], cwd=tmp_path, check=True)
-    made = (undisturbed / "results/elastic/snapshots/A_000.csv").read_bytes()
-    assert (results / "snapshots/A_000.csv").read_bytes() == made
+    subprocess.run([*command, *forced, "--", "results/elastic/snapshots/A_000.parquet"], cwd=tmp_path, check=True)
+    made = (undisturbed / "results/elastic/snapshots/A_000.parquet").read_bytes()
+    assert (results / "snapshots/A_000.parquet").read_bytes() == made
     other = results / "surrogates"
     assert states(other) == {file: state for file, state in before.items() if file.is_relative_to(other)}
 
@@ -281,7 +289,7 @@ def test_a_virtual_environment_in_a_folder_with_a_space_serves(tmp_path):
     (packages,) = environment.glob("lib/python*/site-packages")
     (packages / "shared.pth").write_text("\n".join(shared))
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
-    table = "results/elastic/snapshots/A_000.csv"
+    table = "results/elastic/snapshots/A_000.parquet"
     command = [python, "-m", "snakemake", table, "--snakefile", ROOT / "Snakefile", "--cores", "1"]
     found = subprocess.run([*command, "--configfile", "study.yaml"], cwd=tmp_path, capture_output=True, text=True)
     assert found.returncode == 0, found.stderr[-3000:]

@@ -330,7 +330,7 @@ def test_files_that_are_missing_are_told_before_anything_runs(tmp_path, target, 
 
 @pytest.mark.parametrize("failed", [0, 1])
 def test_a_verification_with_failed_checks_ends_with_an_error_and_keeps_its_report(tmp_path, failed):
-    results = copied(tmp_path, "config") / "results/verification"
+    results = copied(tmp_path, "config", "studies") / "results/verification"
     results.mkdir(parents=True)
     (results / "report.html").write_text("made before")
     (results / "verification.json").write_text(json.dumps({"checks": 2, "failed": failed}))
@@ -341,7 +341,7 @@ def test_a_verification_with_failed_checks_ends_with_an_error_and_keeps_its_repo
 
 
 def test_a_key_on_the_command_line_that_is_neither_true_nor_false_is_refused(tmp_path):
-    run = execute(copied(tmp_path, "config"), "verification", "--dry-run", "--config", "quick=maybe")
+    run = execute(copied(tmp_path, "config", "studies"), "verification", "--dry-run", "--config", "quick=maybe")
     assert run.returncode == 2
     assert run.stderr.splitlines()[-1].startswith("palpate: quick=maybe is neither true nor false")
 

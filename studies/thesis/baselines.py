@@ -20,12 +20,12 @@ from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.reference_materials import BURGERS as EPOXY
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import Outcomes, Studies
 from studies.thesis.rules import Rule, at_least, at_most
 from studies.thesis.runs import Curves, Design, Run
 from studies.thesis.study import Context, Outcome, Rows, ThesisStudy, compare
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 RIGID_CONE = TipConstants(beta=1.0, elastic=None)
 CONE, SPHERE = Indenter("cone", half_angle=70.3), Indenter("sphere", radius=10000.0)

@@ -94,14 +94,6 @@ def attempt(receipt):
     return EXECUTION if found["status"] == "pending" else found["attempt"]
 
 
-def quick():
-    """Whether the verification leaves out what takes long."""
-    try:
-        return job.boolean("quick", config.get("quick"))
-    except InputError as error:
-        refuse(error)
-
-
 def curves(values, accuracy):
     """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
@@ -125,15 +117,6 @@ def contents(name):
 def all_recordings(wildcards):
     """The files of all sets of recordings."""
     return [file for name in STUDY.recordings for file in files_of(STUDY, name)]
-
-
-def reference_curves(wildcards):
-    """The files of the folder of reference curves, where one is given."""
-    folder = config.get("reference")
-    if folder and not Path(folder).is_dir():
-        remedy = "give a folder of curves"
-        refuse(InputError("the folder is missing", remedy=remedy, file=folder))
-    return sorted(map(str, Path(folder).glob("*.csv"))) if folder else []
 
 
 STUDY = read_study()

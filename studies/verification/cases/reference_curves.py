@@ -9,8 +9,8 @@ import numpy as np
 from palpate.recordings.recording_file import read_recording
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, rms, worst
-from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE, HOOKE, STEADY_CREEP
+from studies.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, rms, worst
+from studies.verification.reference_materials import ALUMINIUM, BURGERS, CONE, HOOKE, STEADY_CREEP
 
 
 @dataclass(frozen=True)
@@ -66,4 +66,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, plots, notes if rows else [f"{settings.reference} holds no reference curve."])
 
 
-CASE = Verification("reference", "Reference curves", run)
+CASES = (Verification("reference", "Reference curves", run),)

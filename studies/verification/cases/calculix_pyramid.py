@@ -21,10 +21,10 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
-from palpate.verification.calculix import NOT_RUN, printed
-from palpate.verification.case import Outcome, Row, Settings, Verification, depth
-from palpate.verification.pyramid_checks import PYRAMID
-from palpate.verification.reference_materials import HOOKE
+from studies.verification.calculix import NOT_RUN, printed
+from studies.verification.case import Outcome, Row, Settings, Verification, depth
+from studies.verification.cases.pyramid_checks import PYRAMID
+from studies.verification.reference_materials import HOOKE
 
 PRINTED = re.compile(r"time\s+(\S+)\s+\S+\s+\S+\s+(\S+)")
 LATER = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([0.5, 1.0]))
@@ -115,4 +115,4 @@ def _held_back(program: Path, guess: float) -> Row:
     )
 
 
-CASE = Verification("calculix_pyramid", "Berkovich pyramid: CalculiX", run)
+CASES = (Verification("calculix_pyramid", "Berkovich pyramid: CalculiX", run),)

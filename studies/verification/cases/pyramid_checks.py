@@ -16,9 +16,9 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
-from palpate.verification.mesh_convergence import richardson
-from palpate.verification.reference_materials import BURGERS, CONE, HOOKE
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
+from studies.verification.cases.mesh_convergence import richardson
+from studies.verification.reference_materials import BURGERS, CONE, HOOKE
 
 PYRAMID = Indenter("berkovich", face_angle=65.27)
 LOADING = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.linspace(0.1, 1.0, 10))
@@ -198,4 +198,4 @@ def _creep(accuracy: str) -> tuple[list[Row], Plot]:
     return rows, plot
 
 
-CASE = Verification("pyramid", "Berkovich pyramid in three dimensions", run)
+CASES = (Verification("pyramid", "Berkovich pyramid in three dimensions", run),)

@@ -8,7 +8,7 @@ from palpate.classical.viscoelastic_depth import Compliance, depth_while_growing
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, worst
+from studies.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, worst
 
 VALUES = {
     "youngs_modulus": 3.28,
@@ -57,4 +57,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, plots, [note])
 
 
-CASE = Verification("viscoelastic", "Linear viscoelastic half-space: Lee and Radok", run)
+CASES = (Verification("viscoelastic", "Linear viscoelastic half-space: Lee and Radok", run),)

@@ -8,8 +8,8 @@ from palpate.analytic import hertz, sneddon
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
-from palpate.verification.reference_materials import HOOKE
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
+from studies.verification.reference_materials import HOOKE
 
 SHALLOW = 89.0  # degrees: the solution neglects what the slope of a steeper cone does
 RADIUS = 1e5  # nm
@@ -73,5 +73,7 @@ def run_hertz(settings: Settings) -> Outcome:
     return Outcome(rows, [plot])
 
 
-SNEDDON = Verification("sneddon", "Elastic half-space under a cone: Sneddon", run_sneddon)
-HERTZ = Verification("hertz", "Elastic half-space under a sphere: Hertz", run_hertz)
+CASES = (
+    Verification("sneddon", "Elastic half-space under a cone: Sneddon", run_sneddon),
+    Verification("hertz", "Elastic half-space under a sphere: Hertz", run_hertz),
+)
