@@ -35,6 +35,7 @@ def specification(material=None, indenter=None, protocol=None, **keys):
         "material": BURGERS | (material or {}),
         "indenter": CONE | (indenter or {}),
         "protocol": TEST | (protocol or {}),
+        "kinematics": "small",
     }
     return specification_from(values | keys)
 
@@ -270,7 +271,12 @@ FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_mod
 def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics):
     """Two meshes for one indentation, half a ring apart."""
     indenter = {k: v for k, v in (CONE | changes.get("indenter", {})).items() if v is not None}
-    values = {"material": BURGERS | changes.get("material", {}), "indenter": indenter, "protocol": TEST}
+    values = {
+        "material": BURGERS | changes.get("material", {}),
+        "indenter": indenter,
+        "protocol": TEST,
+        "kinematics": "small",
+    }
     extra = {key: value for key, value in changes.items() if key == "mechanisms"}
     spec = specification_from(values | extra | {"kinematics": kinematics})
     solid, large = applied_to_body(spec), kinematics == "large"

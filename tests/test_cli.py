@@ -20,6 +20,7 @@ SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+    "kinematics": "small",
 }
 
 

@@ -64,7 +64,14 @@ def constants_of(values):
     test = {"max_load": 1.0, "loading_time": 30.0, "unloading_time": 30.0}
     body = {"model": LAW.key} | values
     return user_constants(
-        specification_from({"material": body, "indenter": {"shape": "cone", "half_angle": 70.3}, "protocol": test})
+        specification_from(
+            {
+                "material": body,
+                "indenter": {"shape": "cone", "half_angle": 70.3},
+                "protocol": test,
+                "kinematics": "small",
+            }
+        )
     )
 
 

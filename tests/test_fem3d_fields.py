@@ -21,6 +21,7 @@ SPEC = {
     "material": {"model": "burgers_plasticity", **BURGERS, "yield_stress": 0.15, "hardening": 0.3},
     "indenter": {"shape": "berkovich"},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+    "kinematics": "small",
 }
 
 

@@ -26,6 +26,7 @@ SPEC = {
     "material": BURGERS,
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 20},
+    "kinematics": "small",
 }
 
 

@@ -15,7 +15,9 @@ CONE = {"shape": "cone", "half_angle": 70.3}
 
 
 def simulated(material, protocol):
-    simulation = simulate(specification_from({"material": material, "indenter": CONE, "protocol": protocol}))
+    simulation = simulate(
+        specification_from({"material": material, "indenter": CONE, "protocol": protocol, "kinematics": "small"})
+    )
     assert simulation.status == "ok", simulation.reason
     return simulation
 

@@ -21,6 +21,7 @@ BASE = {
     "material": {"model": "nonlinear_burgers", **EPOXY},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 28},
+    "kinematics": "small",
 }
 SCALE = Scale(**HOOKS.TYPICAL)
 RECORDED = [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body]

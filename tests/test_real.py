@@ -21,7 +21,15 @@ def study(tmp_path, monkeypatch):
     protocol = {"max_load": 2.0, "loading_time": 20, "hold_time": 10, "unloading_time": 20, "points": 150}
     mechanisms = {"frame_compliance": {"compliance": COMPLIANCE}}
     found = simulate(
-        specification_from({"material": truth, "indenter": INDENTER, "protocol": protocol, "mechanisms": mechanisms})
+        specification_from(
+            {
+                "material": truth,
+                "indenter": INDENTER,
+                "protocol": protocol,
+                "mechanisms": mechanisms,
+                "kinematics": "small",
+            }
+        )
     )
     depth = found.depth + 0.3 * np.random.default_rng(3).standard_normal(len(found.depth))
     rows = np.column_stack([found.time, found.load, depth])

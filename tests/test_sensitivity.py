@@ -72,7 +72,13 @@ CASES = {
 
 def specification(**changes):
     mechanisms = {key: changes.pop(key) for key in list(changes) if key in MECHANISMS}
-    base = {"material": BURGERS, "indenter": CONE, "protocol": PROTOCOL, "mechanisms": mechanisms}
+    base = {
+        "material": BURGERS,
+        "indenter": CONE,
+        "protocol": PROTOCOL,
+        "mechanisms": mechanisms,
+        "kinematics": "small",
+    }
     return specification_from(base | changes)
 
 

@@ -144,6 +144,7 @@ SPECIFICATION = Specification(
     {"youngs_modulus": 3.0, "poisson_ratio": 0.3},
     Indenter("cone", half_angle=70.3),
     trapezoid(1.0, 1.0, 0.0, 1.0, points=10),
+    kinematics="small",
 )
 
 
@@ -204,7 +205,9 @@ def test_equal_numbers_of_any_kind_have_the_same_address():
     """Whole, of NumPy, or a negative zero, in a different order of keys."""
     indenter = Indenter("cone", half_angle=np.float64(70.3), radius=0, friction=-0.0)
     parameters = {"poisson_ratio": 0.3, "youngs_modulus": 3}
-    same = Specification("elastic", parameters, indenter, SPECIFICATION.protocol, film_thickness=np.inf)
+    same = Specification(
+        "elastic", parameters, indenter, SPECIFICATION.protocol, film_thickness=np.inf, kinematics="small"
+    )
     assert store.address(same) == store.address(SPECIFICATION)
 
 

@@ -64,7 +64,7 @@ NOISE, MEMORY = 1.0, 1.0
 def runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
     """Return the exact curve of every recording."""
     return [
-        Run({"recording": name}, Specification(model, values, indenter, protocol, accuracy="fine"))
+        Run({"recording": name}, Specification(model, values, indenter, protocol, accuracy="fine", kinematics="small"))
         for name, (model, values, indenter, protocol) in RECORDINGS.items()
     ]
 
@@ -240,7 +240,7 @@ def full_row(name: str, recorded: Mapping[str, Curves]) -> dict[str, Any]:
 
     def curve(x: np.ndarray, protocol: Protocol) -> np.ndarray:
         parameters = {**dict(zip(names, map(float, x * scale), strict=True)), "poisson_ratio": poisson}
-        return simulate(Specification(model, parameters, indenter, protocol)).depth
+        return simulate(Specification(model, parameters, indenter, protocol, kinematics="small")).depth
 
     found = least_squares(
         lambda x: curve(x, protocol) - depth,

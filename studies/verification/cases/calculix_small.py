@@ -35,7 +35,7 @@ PLASTIC_POINTS = 6  # from one of them to the next
 
 def under_cone(law: str, values: Mapping[str, float], friction: float, protocol: Protocol) -> Specification:
     """Return the test of a law with some `values`, under the cone with this `friction` and a `protocol`."""
-    return Specification(law, values, replace(CONE, friction=friction), protocol, accuracy="fine")
+    return Specification(law, values, replace(CONE, friction=friction), protocol, accuracy="fine", kinematics="small")
 
 
 def ramps(duration: float, points: int) -> Protocol:
