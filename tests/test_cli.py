@@ -103,6 +103,18 @@ def test_a_failed_simulation_is_told_with_its_reason(tmp_path, monkeypatch, caps
     assert not (tmp_path / "c.csv").exists()
 
 
+def test_strains_are_large_unless_small_ones_are_asked_for_and_the_curve_says_so(tmp_path):
+    file, depths = tmp_path / "spec.yaml", {}
+    for given in (None, "large", "small"):
+        plain = {key: value for key, value in SPEC.items() if key != "kinematics"}
+        file.write_text(yaml.safe_dump(plain | ({"kinematics": given} if given else {})))
+        assert main(["simulate", str(file), "-o", str(tmp_path / f"{given}.csv")]) == 0
+        curve = read_recording(tmp_path / f"{given}.csv")
+        assert f"kinematics: {given or 'large'}" in curve.notes
+        depths[given] = curve.depth.max()
+    assert depths[None] == depths["large"] < depths["small"]
+
+
 def test_an_interrupt_is_told_in_a_line(tmp_path, monkeypatch, capsys):
     file = tmp_path / "spec.yaml"
     file.write_text(yaml.safe_dump(SPEC))
