@@ -196,8 +196,8 @@ class March:
         found : ndarray of bool, shape (LANES,)
             The lanes that found equilibrium all the way.
         """
-        # `start` is where each lane has arrived, `trial` where a part of the step leads, `states` the answer. Lanes that
-        # wait make a step whose outcome is not taken.
+        # `start` is where each lane has arrived, `trial` where a part of the step leads, `states` the answer. Lanes
+        # that wait make a step whose outcome is not taken.
         trial, time = deepcopy(start), begin.copy()
         length, shortest = (end - begin) / parts, (end - begin) / 2.0**self.halvings
         going, still = lanes.copy(), np.zeros_like(start.unknowns)
