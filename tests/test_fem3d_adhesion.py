@@ -24,6 +24,8 @@ from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
 from studies.verification.reference_materials import BURGERS, HOOKE
 
+pytestmark = pytest.mark.slow
+
 COARSE, FINER = Resolution(growth=1.2, sectors=6), Resolution(growth=1.12, sectors=6)
 ELASTIC, EPOXY = LAWS["elastic"].coefficients(HOOKE), LAWS["nonlinear_burgers"].coefficients(BURGERS)
 TEST = trapezoid(1.0, 10.0, 2.0, 10.0, points=20)

@@ -17,6 +17,8 @@ from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
 from studies.verification.reference_materials import BURGERS
 
+pytestmark = pytest.mark.slow
+
 SPEC = {
     "material": {"model": "burgers_plasticity", **BURGERS, "yield_stress": 0.15, "hardening": 0.3},
     "indenter": {"shape": "berkovich"},

@@ -21,6 +21,8 @@ from palpate.study.specimen import Specimen
 from studies.verification.cases.calculix_pyramid import depth_at_one
 from studies.verification.reference_materials import BURGERS as EPOXY
 
+pytestmark = pytest.mark.slow
+
 COARSE = Resolution(growth=1.3, sectors=6, far=300.0)
 COARSER = Resolution(growth=1.35, sectors=3, far=100.0)
 CYCLE = Protocol(np.array([0.0, 10, 20, 30, 40]), np.array([0.0, 0.6, 0.1, 1.0, 0.01]), np.arange(2.0, 41.0, 2.0))

@@ -9,6 +9,8 @@ from palpate.errors import InputError
 from palpate.solver.simulation import simulate, specification_from
 from studies.real.diagnose_source import diagnose_source
 
+pytestmark = pytest.mark.slow
+
 MATERIAL = {"model": "elastic", "poisson_ratio": 0.35}
 INDENTER = {"shape": "cone", "half_angle": 70.3}
 COMPLIANCE = 60.0

@@ -7,6 +7,8 @@ import pytest
 from studies.verification.case import Settings
 from studies.verification.cases import reference_curves
 
+pytestmark = pytest.mark.slow
+
 FOLDER = Path(__file__).parent.parent.parent / "shared/reference"
 pytestmark = pytest.mark.skipif(
     not FOLDER.is_dir(), reason="the reference curves are not part of the repository (folder shared/reference)"

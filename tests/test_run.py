@@ -89,6 +89,7 @@ def undisturbed(tmp_path_factory):
 
 
 @pytest.mark.faults(before="needed a clone of the repository")
+@pytest.mark.slow
 def test_a_study_runs_away_from_the_repository(undisturbed):
     assert (undisturbed / "results/elastic/report.html").is_file()
     again = run(undisturbed, "study.yaml", "--cores", "1", "--dry-run")
@@ -104,6 +105,7 @@ def test_a_mistake_is_one_line_and_nothing_is_made(folder):
 
 
 @pytest.mark.faults(before="jobs went on; curves differed by up to 5e-8")
+@pytest.mark.slow
 def test_interrupted_it_stops_at_once_and_goes_on_to_the_same_bytes_on_other_cores_in_other_batches(
     folder, undisturbed
 ):
@@ -163,6 +165,7 @@ run._executed([sys.executable, "-c", "import time; time.sleep(60)"])
 
 
 @pytest.mark.parametrize("data", ["2024", "2024/1.5"])
+@pytest.mark.slow
 def test_data_may_have_the_name_of_a_number(folder, data, capsys, monkeypatch):
     """The folder of the instrument's file, or the file."""
     monkeypatch.chdir(folder)
@@ -181,6 +184,7 @@ def test_data_may_have_the_name_of_a_number(folder, data, capsys, monkeypatch):
 
 
 @pytest.mark.faults(before="44 lines of traceback")
+@pytest.mark.slow
 def test_a_study_is_planned_without_a_home_folder(folder):
     environment = {key: value for key, value in os.environ.items() if key != "XDG_CACHE_HOME"}
     environment["HOME"] = str(folder / "study.yaml")  # in which no folder can be made, not even by root
@@ -207,6 +211,7 @@ def states(folder):
 
 
 @pytest.mark.faults(before="an edited number went into the report; a cut table was a traceback")
+@pytest.mark.slow
 def test_results_that_were_altered_are_refused_and_made_again_where_that_is_asked(undisturbed, tmp_path):
     """Nothing is moved, in an execution, a plan or when a folder is unlocked."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
@@ -239,6 +244,7 @@ def test_results_that_were_altered_are_refused_and_made_again_where_that_is_aske
 
 
 @pytest.mark.faults(before="Snakemake asked for --unlock, for which an installed package has no Snakefile")
+@pytest.mark.slow
 def test_killed_it_goes_on_by_itself_where_nothing_runs_any_more(folder):
     """`palpate run` is killed, then Snakemake as well; a lock that it did not leave stays."""
     simulated = {key: STUDY[key] for key in STUDY if key not in ("recordings", "laboratory", "calibration")}
@@ -271,6 +277,7 @@ def test_killed_it_goes_on_by_itself_where_nothing_runs_any_more(folder):
 
 
 @pytest.mark.faults(before="old results were called up to date")
+@pytest.mark.slow
 def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(undisturbed, tmp_path):
     """All that rests on a result that is missing is made again, though it lies there from before."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
@@ -281,6 +288,7 @@ def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(undi
 
 
 @pytest.mark.faults(before="bash: /home/me/My: No such file or directory")
+@pytest.mark.slow
 def test_a_virtual_environment_in_a_folder_with_a_space_serves(tmp_path):
     """Its Python finds the packages of the one that runs this; Snakemake starts each script with it."""
     environment = tmp_path / "My Lab's environment"
