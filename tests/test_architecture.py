@@ -3,8 +3,8 @@
 import ast
 import re
 from collections import Counter
-from graphlib import CycleError, TopologicalSorter
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
