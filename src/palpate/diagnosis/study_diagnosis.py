@@ -16,6 +16,7 @@ from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
 from palpate.diagnosis.exact_constraints import ExactLaws
+from palpate.diagnosis.model_free import model_free
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
@@ -107,6 +108,7 @@ def diagnosed(
     content["joint_intervals"] = joint_intervals(best.fit, search.screen) if explained else {}
     content["limits"] += wide_intervals(best.fit, content["joint_intervals"])
     content["study"] = study.name
+    content["model_free"] = [fact.row() for fact in model_free(study, recorded, problem.observed)]
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]
