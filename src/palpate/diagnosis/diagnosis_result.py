@@ -221,7 +221,7 @@ def to_mapping(
         "verdict": verdict,
         "law_within_tolerance": diagnosis.law_within_tolerance,
         "p_value": base.p_value,
-        "location": Residuals.of(base.fit).located(),
+        "location": Residuals.of(base.fit, study.diagnosis["tolerance"]).located(),
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
