@@ -12,7 +12,7 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.diagnose import Diagnosis
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.limits import limits
-from palpate.diagnosis.locate import Residuals
+from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import Account, discriminating_test
 from palpate.diagnosis.nothing_further import nothing_further
@@ -27,6 +27,7 @@ from palpate.inference.estimates import determined, law_discrepancy
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.posterior import draws_to_first_order, posterior_draws
+from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
 OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
@@ -154,6 +155,15 @@ def _accepted(
     }
 
 
+def _pattern(
+    study: Study, base: Candidate, residuals: Residuals, location: Sequence[Mapping[str, Any]], screen: Screen
+) -> str | None:
+    """Return what the residual of a rejected base model follows where no single part is significant."""
+    if base.p_value >= study.diagnosis["significance"] or any(row["q_value"] < CERTAIN for row in location):
+        return None
+    return residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})[0]
+
+
 def _next_test(
     study: Study, diagnosis: Diagnosis, draws: list[np.ndarray], keys: Iterable[str]
 ) -> dict[str, Any] | None:
@@ -211,6 +221,8 @@ def to_mapping(
     """
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
+    residuals = Residuals.of(base.fit, study.diagnosis["tolerance"])
+    location = residuals.located()
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise
     draws = [posterior_draws(candidate.fit) for candidate in diagnosis.accepted]
@@ -221,7 +233,8 @@ def to_mapping(
         "verdict": verdict,
         "law_within_tolerance": diagnosis.law_within_tolerance,
         "p_value": base.p_value,
-        "location": Residuals.of(base.fit, study.diagnosis["tolerance"]).located(),
+        "location": location,
+        "pattern": _pattern(study, base, residuals, location, screen),
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],

@@ -106,8 +106,11 @@ class Search:
         self._fitter = Fitter(problem, *errors)
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or self._fitter.scattered(rng))
-        refined = on_finer_meshes if self.explains(base) else with_finer_curves
-        base = self._fitter.rest_on(refined(self._fitter, base))
+        if self.explains(base):
+            base = on_finer_meshes(self._fitter, base)
+        elif base.errors.law is None:
+            base = with_finer_curves(self._fitter, base)
+        base = self._fitter.rest_on(base)
         self.problem = base.problem
         self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:
@@ -175,7 +178,7 @@ class Search:
         return candidate if fit is candidate.fit else self.candidate(fit)
 
     def explains(self, fit: Fit) -> bool:
-        """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
+        """See `palpate.inference.fitting.Fitter.explains`."""
         return self._fitter.explains(fit)
 
     def neighbours(self, fit: Fit) -> list[Fit]:

@@ -164,7 +164,7 @@ def _where(content: Mapping[str, Any]) -> str:
     """Return where the misfit is most significant."""
     found = [row for row in content["location"] if row["q_value"] < CERTAIN]
     if not found:
-        return ""
+        return f" in no single part, but like {content['pattern']}" if content["pattern"] else ""
     row = found[0]
     part = "" if row["part"] == "whole" else f"{row['part']} "
     segment = "the hold" if row["segment"] == "hold" else row["segment"]
