@@ -40,7 +40,7 @@ class SearchPolicy:
 
     held: float = 0.95
     negligible: float = 0.01
-    rough: float = 2.0
+    rough: float = 1.0
     compared: float = 10.0
     behind_set: float = 400.0
     most: int = 16
