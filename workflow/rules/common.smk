@@ -98,12 +98,17 @@ def attempt(receipt):
     return EXECUTION if found["status"] == "pending" else found["attempt"]
 
 
-def quick():
-    """Whether the verification leaves out what takes long."""
+def accepted(function, *arguments):
+    """What a function returns; a mistake ends the execution with one line."""
     try:
-        return job.boolean("quick", config.get("quick"))
+        return function(*arguments)
     except InputError as error:
         refuse(error)
+
+
+def quick():
+    """Whether the verification leaves out what takes long."""
+    return accepted(job.boolean, "quick", config.get("quick"))
 
 
 def curves(values, accuracy):
