@@ -15,7 +15,6 @@ include: "workflow/rules/surrogates.smk"
 include: "workflow/rules/calibration.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
-include: "workflow/rules/verification.smk"
 
 
 for rules in sorted(HERE.glob("studies/*/rules.smk")):

@@ -14,8 +14,8 @@ import pytest
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate
-from palpate.verification.calculix import run_deck
-from palpate.verification.calculix_small import elastic
+from studies.verification.calculix import run_deck
+from studies.verification.cases.calculix_small import elastic
 
 MESHES = [Resolution(growth=g, sectors=s, inner=0.1, far=500.0) for g, s in ((1.7, 3), (1.5, 4), (1.3, 5), (1.2, 6))]
 os.environ["OMP_NUM_THREADS"] = "1"

@@ -8,7 +8,7 @@ import pytest
 
 from palpate.solver.simulation import differentiated, simulate, specification_from
 from palpate.solver.variation import Variation
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 SIX = list(BURGERS)[1:7]

@@ -10,7 +10,7 @@ import pytest
 
 from palpate.configuration.study_file import load_study
 from palpate.solver.simulation import simulate, simulate_batch, specification_from
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 

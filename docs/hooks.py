@@ -225,6 +225,68 @@ def subpackages() -> str:
     return table(("subpackage", "what it holds", "files", "lines"), rows)
 
 
+KINDS = {
+    "law": ("src/palpate/materials", "LAW"),
+    "mechanism": ("src/palpate/mechanisms", "MECHANISM"),
+    "reader": ("src/palpate/recordings/readers", "READER"),
+    "export format": ("src/palpate/output/export", "FORMAT"),
+    "subcommand": ("src/palpate/cli", "NAME"),
+    "figure": ("src/palpate/output/figures", "draw or compose"),
+    "case of the verification": ("studies/verification/cases", "CASES"),
+    "study of the thesis": ("studies/thesis", "STUDY"),
+}  # folder of each kind of extension, and what its file defines
+
+
+def extensions() -> str:
+    """Return one row for each kind of extension: its folder, what a file defines, and which other files name one."""
+    root = SOURCE.parents[1]
+    trees = {
+        file: ast.parse(file.read_text(encoding="utf-8"))
+        for file in sorted([*SOURCE.rglob("*.py"), *root.glob("scripts/*.py"), *root.glob("studies/**/*.py")])
+        if file.name != "__init__.py"
+    }
+    named = {file: set(_named(tree)) for file, tree in trees.items()}
+    rows = []
+    for kind, (folder, name) in KINDS.items():
+        inside = [file for file in trees if file.parent == root / folder]
+        members = {
+            f"{folder.removeprefix('src/')}/{file.stem}".replace("/", "."): file
+            for file in inside
+            if set(name.split(" or ")) & set(_defined(trees[file]))
+        }
+        keys = {file.stem for file in members.values() if "_" in file.stem and kind in ("law", "mechanism")}
+        others = {
+            file: {member.rpartition(".")[2] for member in named[file] & set(members)} | named[file] & keys
+            for file in trees
+            if file not in inside and "studies" not in file.parts
+        }
+        places = ", ".join(f"`{file.stem}`" for file, found in others.items() if found)
+        free = len(members) - len(set().union(*others.values()))
+        defined = f"`{name}`".replace(" or ", "` or `")
+        rows.append((kind, f"`{folder}`", defined, f"{free} of {len(members)}", places))
+    return table(("a new", "is one file in", "that defines", "named nowhere else", "files that name one"), rows)
+
+
+def _defined(tree: ast.Module) -> Iterator[str]:
+    """Yield the names that a module defines at its top level."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            yield from (target.id for each in targets for target in ast.walk(each) if isinstance(target, ast.Name))
+
+
+def _named(tree: ast.Module) -> Iterator[str]:
+    """Yield the modules that a module imports, and its texts."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
 def _order() -> list[str]:
     """Return the subpackages as the test of the architecture lists them."""
     text = (SOURCE.parents[1] / "tests/test_architecture.py").read_text(encoding="utf-8")
@@ -277,6 +339,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "mechanism_table": mechanism_table,
     "commands": commands,
     "subpackages": subpackages,
+    "extensions": extensions,
     "source": source,
 }
 

@@ -1,17 +1,19 @@
-"""Join the tables of all batches of snapshots.
+"""Join the tables of all batches of snapshots, without their curves.
 
-input: tables of the batches (CSV). output: one table (CSV).
+input: curves of the batches (Parquet). output: one table (CSV).
 """
 
 import pandas as pd
 
+from palpate.solver.store import CURVES
 from palpate.workflow_support import job
 
 
 def main(snakemake):
-    pd.concat(map(pd.read_csv, snakemake.input), ignore_index=True).to_csv(snakemake.output[0], index=False)
+    tables = [pd.read_parquet(file).drop(columns=list(CURVES)) for file in snakemake.input]
+    pd.concat(tables, ignore_index=True).to_csv(snakemake.output[0], index=False)
 
 
 if "snakemake" in globals():
-    with job.logged(snakemake.log[0], snakemake.output):  # noqa: F821
+    with job.logged(snakemake.log[0], snakemake.output, snakemake.rule):  # noqa: F821
         main(snakemake)  # noqa: F821

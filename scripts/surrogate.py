@@ -1,6 +1,6 @@
 """Fit the surrogate of one condition.
 
-input: tables of the batches of snapshots. output: model (arrays), summary (JSON: figures of merit), record (JSON: the
+input: curves of the batches of snapshots. output: model (arrays), summary (JSON: figures of merit), record (JSON: the
 run for MLflow). settings: `surrogate`.
 """
 
@@ -14,7 +14,7 @@ from palpate.workflow_support.run_records import of_surrogate, tracked_runs
 def main(snakemake):
     study, condition = job.study(snakemake), snakemake.wildcards.condition
     with tracked_runs(study.name, snakemake.output.record) as runs:
-        contents = store.curves_under(study, condition)
+        contents = store.curves_under(snakemake.input, condition)
         model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
         save(model, parameters, curves, snakemake.output.model)
         write_json(snakemake.output.summary, summary)
@@ -25,5 +25,5 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    with job.logged(snakemake.log[0], snakemake.output):  # noqa: F821
+    with job.logged(snakemake.log[0], snakemake.output, snakemake.rule):  # noqa: F821
         main(snakemake)  # noqa: F821

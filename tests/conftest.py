@@ -16,7 +16,7 @@ def pytest_configure(config):
         config.option.dist = "loadfile"
 
 
-LONGEST = ("test_workflow", "test_run", "test_soak")
+LONGEST = ("test_workflow", "test_mesh_error", "test_document_commands", "test_run", "test_soak", "test_calibration")
 WITHOUT_KERNELS = ("test_contact", "test_readers")
 
 
@@ -35,16 +35,18 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    """Print what faults did before and do now, where they alone are run: `pytest -m faults`."""
-    if config.option.markexpr == "faults":
-        terminalreporter.write_line("\n| fault | before | now | s |\n|---|---|---|---|")
-        for outcome in ("passed", "failed", "skipped"):
-            for report in terminalreporter.stats.get(outcome, []):
-                if report.when == "call" or outcome == "skipped":
-                    name = report.nodeid.partition("::test_")[2].replace("_", " ")
-                    before = dict(report.user_properties).get("before", "")
-                    now = {"passed": "as it says", "failed": "FAILED", "skipped": "not tried here"}[outcome]
-                    terminalreporter.write_line(f"| {name} | {before} | {now} | {report.duration:.1f} |")
+    """Print what faults did before and do now, where tests of the name are asked for: `pytest -m faults`, `-m slow`."""
+    if config.option.markexpr not in ("faults", "slow"):
+        return
+    rows = []
+    for outcome, now in (("passed", "as it says"), ("failed", "FAILED"), ("skipped", "not tried here")):
+        for report in terminalreporter.stats.get(outcome, []):
+            before = dict(report.user_properties).get("before")
+            if before and (report.when == "call" or outcome == "skipped"):
+                name = report.nodeid.partition("::test_")[2].replace("_", " ")
+                rows.append(f"| {name} | {before} | {now} | {report.duration:.1f} |")
+    if rows:
+        terminalreporter.write_line("\n".join(["", "| fault | before | now | s |", "|---|---|---|---|", *rows]))
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from bodies import case_of
 
 from palpate.solver.axisymmetric.march_cases import run_lanes
 from palpate.solver.simulation import specification_from
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
 
 OFFSETS = 8
 FROM = 0.05  # of the largest load

@@ -9,7 +9,7 @@ from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 LOADS = np.array([1e-3, 0.1, 4.0])
 BURGERS = {
@@ -48,7 +48,9 @@ def test_hertz_stiffness_is_that_of_his_contact_radius():
 
 
 def specification(model="burgers_plasticity", values=BURGERS):
-    return Specification(model, values, Indenter("cone", 70.3), trapezoid(1.0, 30.0, 5.0, 30.0, points=20))
+    return Specification(
+        model, values, Indenter("cone", 70.3), trapezoid(1.0, 30.0, 5.0, 30.0, points=20), kinematics="small"
+    )
 
 
 ELASTIC = {"youngs_modulus": 3.0, "poisson_ratio": 0.3}
@@ -79,7 +81,11 @@ def test_load_scaling_is_a_square_root_and_needs_a_sharp_cone():
     with pytest.raises(InputError, match="length"):
         scaling.load_scaled(
             Specification(
-                "elastic", {"youngs_modulus": 3.0, "poisson_ratio": 0.3}, Indenter("sphere", 0.0, 1e4), other.protocol
+                "elastic",
+                {"youngs_modulus": 3.0, "poisson_ratio": 0.3},
+                Indenter("sphere", 0.0, 1e4),
+                other.protocol,
+                kinematics="small",
             ),
             2.0,
         )

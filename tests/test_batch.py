@@ -23,7 +23,7 @@ from palpate.solver.variation import applied_to_body
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 TEST = {"max_load": 1.0, "loading_time": 30.0, "unloading_time": 30.0, "points": 20}
@@ -35,6 +35,7 @@ def specification(material=None, indenter=None, protocol=None, **keys):
         "material": BURGERS | (material or {}),
         "indenter": CONE | (indenter or {}),
         "protocol": TEST | (protocol or {}),
+        "kinematics": "small",
     }
     return specification_from(values | keys)
 
@@ -270,7 +271,12 @@ FILM = {"mechanisms": {"film_on_substrate": {"thickness": 3000.0, "substrate_mod
 def test_one_shape_of_mesh_runs_in_lanes_whatever_the_body(changes, kinematics):
     """Two meshes for one indentation, half a ring apart."""
     indenter = {k: v for k, v in (CONE | changes.get("indenter", {})).items() if v is not None}
-    values = {"material": BURGERS | changes.get("material", {}), "indenter": indenter, "protocol": TEST}
+    values = {
+        "material": BURGERS | changes.get("material", {}),
+        "indenter": indenter,
+        "protocol": TEST,
+        "kinematics": "small",
+    }
     extra = {key: value for key, value in changes.items() if key == "mechanisms"}
     spec = specification_from(values | extra | {"kinematics": kinematics})
     solid, large = applied_to_body(spec), kinematics == "large"

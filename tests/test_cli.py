@@ -20,6 +20,7 @@ SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+    "kinematics": "small",
 }
 
 
@@ -100,6 +101,18 @@ def test_a_failed_simulation_is_told_with_its_reason(tmp_path, monkeypatch, caps
     assert main(["simulate", str(file), "-o", str(tmp_path / "c.csv")]) == 1
     assert "the step became too small" in capsys.readouterr().err
     assert not (tmp_path / "c.csv").exists()
+
+
+def test_strains_are_large_unless_small_ones_are_asked_for_and_the_curve_says_so(tmp_path):
+    file, depths = tmp_path / "spec.yaml", {}
+    for given in (None, "large", "small"):
+        plain = {key: value for key, value in SPEC.items() if key != "kinematics"}
+        file.write_text(yaml.safe_dump(plain | ({"kinematics": given} if given else {})))
+        assert main(["simulate", str(file), "-o", str(tmp_path / f"{given}.csv")]) == 0
+        curve = read_recording(tmp_path / f"{given}.csv")
+        assert f"kinematics: {given or 'large'}" in curve.notes
+        depths[given] = curve.depth.max()
+    assert depths[None] == depths["large"] < depths["small"]
 
 
 def test_an_interrupt_is_told_in_a_line(tmp_path, monkeypatch, capsys):

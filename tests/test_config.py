@@ -264,6 +264,7 @@ def test_simulate_writes_a_recording_and_refuses_bad_specifications(tmp_path, ca
         "material": {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.3},
         "indenter": {"shape": "cone", "half_angle": 70.3},
         "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+        "kinematics": "small",
     }
     file, out = tmp_path / "spec.yaml", tmp_path / "curve.csv"
     file.write_text(yaml.safe_dump(spec))

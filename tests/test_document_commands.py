@@ -168,6 +168,7 @@ def run(command, folder, dry=False):
 
 
 @pytest.mark.parametrize("page", [pytest.param(page, id=page.name) for page in PAGES if page.name in HOW])
+@pytest.mark.slow
 def test_commands_run(page, folder):
     text = page.read_text()
     if page.name in ("README.md", "tutorial.md"):
@@ -195,6 +196,7 @@ def test_the_specification_of_the_documents_is_exported_without_its_mechanism_on
     assert main(["export", "SPEC.yaml", "--format", "abaqus", "-o", "FOLDER"]) == 2
 
 
+@pytest.mark.slow
 def test_the_notebook_runs_on_a_smaller_study(folder, monkeypatch, capsys):
     """The block of the page; in place of its draft, which takes eight minutes, an elastic study of four materials."""
     from palpate import Study

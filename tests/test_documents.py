@@ -17,6 +17,7 @@ from palpate.cli.main import command_line
 from palpate.configuration.study_file import study_from
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS
+from palpate.recordings.readers import READERS
 from palpate.solver.simulation import KEYS, specification_from
 
 ROOT = Path(__file__).parents[1]
@@ -186,6 +187,17 @@ def test_what_is_generated_lists_every_law_mechanism_command_and_subpackage():
             assert HOOKS._spelt(action) in shown
             assert action.help, f"{name} {action.dest} has no meaning"
     assert all(f"| `{room}` |" in HOOKS.subpackages() for room in HOOKS._order())
+
+
+def test_what_a_change_touches_is_counted_in_the_code():
+    """A reader, a subcommand, a case of the verification and most laws and mechanisms are named in no other file."""
+    rows = {row.split(" | ")[0].strip("| "): row.split(" | ")[3] for row in HOOKS.extensions().splitlines()[2:]}
+    assert rows.keys() == HOOKS.KINDS.keys()
+    counts = {kind: [int(word) for word in row.split(" of ")] for kind, row in rows.items()}
+    assert counts["law"][1] == len(LAWS) and counts["mechanism"][1] == len(MECHANISMS)
+    assert counts["reader"][1] == len(READERS)
+    for kind in ("reader", "subcommand", "case of the verification"):
+        assert counts[kind][0] == counts[kind][1] > 0
 
 
 @pytest.mark.parametrize("file", named(PAGES))

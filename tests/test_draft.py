@@ -94,7 +94,9 @@ def test_the_ranges_hold_an_epoxy_that_creeps_while_it_is_unloaded():
         "transient_exponent": 0.47, "retardation_time": 0.25,
     }  # fmt: skip
     pressed = simulate(
-        Specification("nonlinear_burgers", truth | {"poisson_ratio": 0.34}, CONE, trapezoid(1, 20, 0, 20))
+        Specification(
+            "nonlinear_burgers", truth | {"poisson_ratio": 0.34}, CONE, trapezoid(1, 20, 0, 20), kinematics="small"
+        )
     )
     solid = Solid.of([Recording(pressed.time, pressed.load, pressed.depth)], KnownTip(), 0.35)
     found = ranges("nonlinear_burgers", solid, 20.0).items()

@@ -11,9 +11,8 @@ from palpate.analytic import hertz, sneddon
 from palpate.base.classes import levels
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
-from palpate.draft.cut_off import cut_off
 from palpate.draft.grouping import grouped
-from palpate.draft.prescribed_drive import Drive
+from palpate.draft.prescribed_drive import Drive, cut_off
 from palpate.draft.stated import Stated
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.recording import Recording

@@ -16,7 +16,7 @@ PROTOCOL = {"max_load": 1.0, "loading_time": 1, "unloading_time": 1, "points": 2
 
 
 def specification(indenter, material=GLASS):
-    return specification_from({"material": material, "indenter": indenter, "protocol": PROTOCOL})
+    return specification_from({"material": material, "indenter": indenter, "protocol": PROTOCOL, "kinematics": "small"})
 
 
 def depth(indenter, material=GLASS):

@@ -19,7 +19,7 @@ from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS, HOOKE
+from studies.verification.reference_materials import BURGERS, HOOKE
 
 ELASTIC = LAWS["elastic"].coefficients(HOOKE)
 COARSE = Resolution(growth=1.5, sectors=3)

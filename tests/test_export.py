@@ -44,6 +44,7 @@ def values(material=NORTON, **more):
         "material": material,
         "indenter": {"shape": "cone", "half_angle": 70.3},
         "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 5, "unloading_time": 30, "points": 20},
+        "kinematics": "small",
     } | more
 
 

@@ -13,7 +13,7 @@ from palpate.materials.flow.point import commit, history, length, solve, state_s
 from palpate.materials.flow.row import step_weights
 from palpate.output.export.abaqus import SUBROUTINE, user_constants
 from palpate.solver.simulation import specification_from
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 pytestmark = pytest.mark.skipif(not shutil.which("gfortran"), reason="gfortran is not installed")
 ONE = EPOXY
@@ -64,7 +64,14 @@ def constants_of(values):
     test = {"max_load": 1.0, "loading_time": 30.0, "unloading_time": 30.0}
     body = {"model": LAW.key} | values
     return user_constants(
-        specification_from({"material": body, "indenter": {"shape": "cone", "half_angle": 70.3}, "protocol": test})
+        specification_from(
+            {
+                "material": body,
+                "indenter": {"shape": "cone", "half_angle": 70.3},
+                "protocol": test,
+                "kinematics": "small",
+            }
+        )
     )
 
 

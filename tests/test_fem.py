@@ -22,7 +22,7 @@ from palpate.solver.axisymmetric.trial_state import Material, Setup
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
 
 
 def law(key="nonlinear_burgers", **values):

@@ -29,9 +29,9 @@ from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen, elastic_substrate
-from palpate.verification.calculix_pyramid import depth_at_one
-from palpate.verification.pyramid_checks import contact_area
-from palpate.verification.reference_materials import BURGERS, HOOKE
+from studies.verification.cases.calculix_pyramid import depth_at_one
+from studies.verification.cases.pyramid_checks import contact_area
+from studies.verification.reference_materials import BURGERS, HOOKE
 
 COARSE = Resolution(growth=1.2, sectors=6)
 PYRAMID, CONE = Indenter("berkovich", face_angle=65.27), Indenter("cone", 70.3)

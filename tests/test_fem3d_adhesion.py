@@ -22,7 +22,9 @@ from palpate.solver.pyramid.tip_3d import tip_of
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS, HOOKE
+from studies.verification.reference_materials import BURGERS, HOOKE
+
+pytestmark = pytest.mark.slow
 
 COARSE, FINER = Resolution(growth=1.2, sectors=6), Resolution(growth=1.12, sectors=6)
 ELASTIC, EPOXY = LAWS["elastic"].coefficients(HOOKE), LAWS["nonlinear_burgers"].coefficients(BURGERS)

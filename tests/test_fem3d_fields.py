@@ -15,12 +15,15 @@ from palpate.solver.simulation import specification_from, states_at
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
+
+pytestmark = pytest.mark.slow
 
 SPEC = {
     "material": {"model": "burgers_plasticity", **BURGERS, "yield_stress": 0.15, "hardening": 0.3},
     "indenter": {"shape": "berkovich"},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 12},
+    "kinematics": "small",
 }
 
 

@@ -18,8 +18,10 @@ from palpate.solver.pyramid.indent_3d import indent_3d
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.calculix_pyramid import depth_at_one
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.cases.calculix_pyramid import depth_at_one
+from studies.verification.reference_materials import BURGERS as EPOXY
+
+pytestmark = pytest.mark.slow
 
 COARSE = Resolution(growth=1.3, sectors=6, far=300.0)
 COARSER = Resolution(growth=1.35, sectors=3, far=100.0)

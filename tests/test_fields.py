@@ -14,7 +14,7 @@ from palpate.output.figures.stress_fields import nodal
 from palpate.solver.axisymmetric.fields import von_mises
 from palpate.solver.axisymmetric.newton import TOLERANCE
 from palpate.solver.simulation import fields_at, simulate, specification_from
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {
     "model": "burgers_plasticity",
@@ -26,6 +26,7 @@ SPEC = {
     "material": BURGERS,
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 10, "unloading_time": 10, "points": 20},
+    "kinematics": "small",
 }
 
 

@@ -19,7 +19,7 @@ from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = LAWS["nonlinear_burgers"].coefficients(EPOXY)
 METAL = LAWS["bilinear_plasticity"].coefficients(

@@ -1,6 +1,5 @@
 """Jobs of the workflow leave a log, and end with one line where palpate refuses."""
 
-import contextlib
 import errno
 import os
 import re
@@ -58,59 +57,48 @@ def test_a_log_that_cannot_be_written_is_one_line(tmp_path):
         pass
 
 
-def test_a_result_that_was_altered_is_set_aside_and_others_stay(tmp_path, monkeypatch):
+def test_a_result_that_was_altered_is_refused_in_one_line_that_names_it_and_the_ways_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     logs, results = Path("results/s/logs"), [Path(f"results/s/{name}.json") for name in ("a", "b", "c")]
     logs.mkdir(parents=True)
     for number, file in enumerate(results):
-        with job.logged(logs / f"job_{number}.log", [str(file)]):
+        with job.logged(logs / f"job_{number}.log", [str(file)], f"rule_{number}"):
             file.write_text("1.0")
+    result_files.refuse_altered(logs)
     results[0].write_text("1.1")
     results[1].unlink()
-    (found,) = result_files.altered(logs)
-    assert str(found) == f"{results[0]} is not as it was made; when it is made again, it is kept as a.json.altered"
-    result_files.move_aside([found])
-    assert [file.exists() for file in results] == [False, False, True]
-    assert Path("results/s/a.json.altered").read_text() == "1.1"
-    assert list(result_files.altered(logs)) == []
+    line = "results/s/a.json: is not as its job made it; delete it, or make all again with --forcerun rule_0"
+    with pytest.raises(InputError, match=f"^{line}$"):
+        result_files.refuse_altered(logs)
+    results[2].write_text("1.1")
+    line = "are not as their jobs made them; delete them, or make all again with --forcerun rule_0 rule_2"
+    with pytest.raises(InputError, match=f"^results/s/a.json, results/s/c.json: {line}$"):
+        result_files.refuse_altered(logs, ["--force", "-nR", "rule_1"])
+    assert [file.is_file() for file in results] == [True, False, True]
 
 
-@pytest.mark.faults(before="a dry run left it at another name, and an older one that was kept there was lost")
-@pytest.mark.parametrize("job_ends", [None, "made", "failed"])
-def test_a_result_that_was_set_aside_comes_back_unless_a_job_has_begun_to_make_it(tmp_path, monkeypatch, job_ends):
+@pytest.mark.parametrize(
+    "given", [["-F"], ["-R", "job", "-n"], ["--forcerun", "results/s/a.json", "--cores", "2", "--", "all"]]
+)
+def test_a_result_that_was_altered_is_accepted_where_it_is_made_again(tmp_path, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
-    logs, file, kept = Path("results/s/logs"), Path("results/s/a.json"), Path("results/s/a.json.altered_2")
+    logs, file = Path("results/s/logs"), Path("results/s/a.json")
     logs.mkdir(parents=True)
-    with job.logged(logs / "job.log", [str(file)]):
+    with job.logged(logs / "job.log", [str(file)], "job"):
         file.write_text("1.0")
     file.write_text("1.1")
-    kept.with_suffix(".altered").write_text("0.9")
-    found = list(result_files.altered(logs))
-    result_files.move_aside(found)
-    assert kept.read_text() == "1.1"
-    if job_ends:
-        with contextlib.suppress(SystemExit), job.logged(logs / "job.log", [str(file)]):
-            if job_ends == "failed":
-                raise MemoryError
-            file.write_text("1.0")
-    monkeypatch.chdir("/")
-    result_files.move_back(found, tmp_path)
-    monkeypatch.chdir(tmp_path)
-    assert kept.with_suffix(".altered").read_text() == "0.9"
-    assert kept.exists() == bool(job_ends)
-    assert file.exists() == (job_ends != "failed")
-    if file.exists():
-        assert file.read_text() == ("1.0" if job_ends else "1.1")
+    assert result_files.altered(logs) == [(file, "job")]
+    result_files.refuse_altered(logs, given)
 
 
-def test_a_result_that_a_job_is_replacing_is_not_set_aside(tmp_path, monkeypatch):
+def test_a_result_that_a_job_is_replacing_is_not_altered(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     logs, file = Path("results/s/logs"), Path("results/s/a.json")
     logs.mkdir(parents=True)
     for text in ("1", "2"):
         with job.logged(logs / "job.log", [str(file)]):
             file.write_text(text)
-            assert list(result_files.altered(logs)) == []
+            assert result_files.altered(logs) == []
 
 
 def test_a_result_counts_as_the_later_of_two_logs_knows_it(tmp_path, monkeypatch):
@@ -122,7 +110,7 @@ def test_a_result_counts_as_the_later_of_two_logs_knows_it(tmp_path, monkeypatch
         with job.logged(logs / name, [str(file)]):
             file.write_text(name)
     os.utime(logs / "job.sha256", (0, 0))
-    assert list(result_files.altered(logs)) == []
+    assert result_files.altered(logs) == []
 
 
 @pytest.mark.parametrize(

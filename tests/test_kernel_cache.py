@@ -50,6 +50,7 @@ def read_only(tmp_path):
 
 
 @pytest.mark.faults(before="RuntimeError: no locator available")
+@pytest.mark.slow
 def test_with_package_and_home_read_only_kernels_are_kept_in_a_folder_of_the_user(read_only, tmp_path):
     found = read_only(sys.executable, "-c", KERNELS)
     assert found.returncode == 0, found.stderr
@@ -132,6 +133,7 @@ def test_what_somebody_else_may_have_planted_is_refused(nowhere_else, planted):
 @pytest.mark.faults(before="a traceback at every start, or machine code as it was altered")
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 @pytest.mark.parametrize("fault", ["empty", "cut", "altered"])
+@pytest.mark.slow
 def test_a_damaged_kernel_is_compiled_again(tmp_path, ending, fault):
     index = checked_kernels.CheckedCacheFile(str(tmp_path), "kernel", "stamp")
     index.save("key", ("machine code",))

@@ -15,8 +15,8 @@ from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.axisymmetric.law_lanes import Points
 from palpate.solver.simulation import simulate
 from palpate.study.specification import Specification
-from palpate.verification.kinematics import EPOXY, WAYS
-from palpate.verification.reference_materials import CONE, HOOKE
+from studies.verification.cases.kinematics import EPOXY, WAYS
+from studies.verification.reference_materials import CONE, HOOKE
 
 ELASTIC = LAWS["elastic"].coefficients(HOOKE)
 

@@ -6,35 +6,23 @@ from homogeneous import error, updated
 from numba import njit
 from scipy.optimize import brentq
 
+from palpate.analytic.scaling import with_stresses_scaled
 from palpate.errors import InputError
 from palpate.materials import LAWS, law_of
+from palpate.materials.first_guess import Glimpse
 from palpate.materials.flow.point import solve
 from palpate.materials.flow.radial import NOTHING, TOLERANCE, compliance, solve_radial, threshold
 from palpate.materials.flow.row import SHARE, SHEAR, in_series, step_weights
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
-from palpate.verification.reference_materials import BURGERS
 
 HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
-CREEP = {name: value for name, value in BURGERS.items() if name not in HOOKE}
-FLOW = {
-    "elastic": {},
-    "nonlinear_burgers": CREEP,
-    "bilinear_plasticity": {"yield_stress": 0.05, "hardening": 0.3},
-    "burgers_plasticity": CREEP | {"yield_stress": 0.05, "hardening": 0.3},
-    "ludwik_plasticity": {"yield_stress": 0.03, "strength": 0.1, "hardening_exponent": 0.3},
-    "voce_plasticity": {"yield_stress": 0.03, "saturation_stress": 0.07, "saturation_strain": 0.01},
-    "drucker_prager": {"yield_stress": 0.05, "hardening": 0.2, "pressure_coefficient": 0.15},
-    "eyring": {"reference_rate": 1e-8, "eyring_stress": 0.004, "pressure_coefficient": 0.1},
-    "retardation_spectrum": {"spectrum_coefficient": 0.05, "spectrum_exponent": 0.2, "elements": 5},
-}
 JOINED = [f"{key}+nonlinear_burgers" for key in LAWS if "burgers" not in key and key != "elastic"]
 MODELS = [*LAWS, *JOINED, "eyring+retardation_spectrum+voce_plasticity"]
 PRESSED = [model for model in MODELS if "eyring" in model or "drucker" in model]
-STRESSES = ("youngs_modulus", "yield_stress", "hardening", "strength", "saturation_stress", "eyring_stress")
 
 
 def values(model):
-    return HOOKE | {name: value for key in model.split("+") for name, value in FLOW[key].items()}
+    return HOOKE | {name: value for key in model.split("+") for name, value in LAWS[key].example.items()}
 
 
 def row_and_weights(model, dt=0.6, resistance=1.0):
@@ -52,8 +40,16 @@ def in_lanes(rho, alpha, pressure, law, step, out):
         store(out, 3 * i + 2, push)
 
 
-def test_every_law_is_tried_here():
-    assert set(FLOW) == set(LAWS)
+@pytest.mark.parametrize("key", LAWS)
+def test_every_law_has_an_example_and_guesses_of_what_it_requires(key):
+    law = LAWS[key]
+    assert law.check(HOOKE | law.example).keys() == {p.name for p in law.declared({})}
+    required = {p.name for p in law.flow if p.default is None}
+    for soft in (False, True):
+        guessed = law.guess(Glimpse(3.0, 0.2, 20.0, soft))
+        assert required <= guessed.keys()
+        for name, (values, why) in guessed.items():
+            assert values == tuple(sorted(values)) and why, name
 
 
 @pytest.mark.filterwarnings("error")
@@ -88,7 +84,7 @@ def test_solution_does_not_depend_on_the_guess(model, guess):
 @pytest.mark.parametrize("exponent", [0.05, 0.1, 0.3, 1.0])
 def test_a_yield_stress_is_found_where_creep_grows_exponentially_with_it(exponent):
     """By bisection over plastic strains down to e^-500, of which a small exponent makes a stress that counts."""
-    law = HOOKE | FLOW["eyring"] | {"eyring_stress": 0.005, "pressure_coefficient": 0.0}
+    law = HOOKE | LAWS["eyring"].example | {"eyring_stress": 0.005, "pressure_coefficient": 0.0}
     law |= {"yield_stress": 0.02, "strength": 1.0, "hardening_exponent": exponent}
     row = law_of("eyring+ludwik_plasticity").coefficients(law)
     weights = step_weights(row[None], 1.0)[0]
@@ -125,12 +121,7 @@ def test_lanes_have_the_solution_of_single_points(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_scaling_all_stresses_leaves_the_strains_unchanged(model):
     c, given = 7.3, values(model)
-    scaled = {name: c * value if name in STRESSES else value for name, value in given.items()}
-    for part, power in (("steady", "steady_exponent"), ("transient", "transient_exponent")):
-        if f"{part}_coefficient" in given:
-            scaled[f"{part}_coefficient"] *= c ** -(2 * given[power] + 1)
-    if "spectrum_coefficient" in given:
-        scaled["spectrum_coefficient"] /= c
+    scaled = with_stresses_scaled(model, given, c)
     expected = updated(model, given, 20, 0.05, 0.03)
     assert error(updated(model, scaled, 20, 0.05, 0.03) / c, expected) < 1e-8
 

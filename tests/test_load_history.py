@@ -8,14 +8,16 @@ from palpate.solver.simulation import simulate, specification_from
 from palpate.study.load_history import constant_strain_rate, cycles, protocol_from
 from palpate.study.protocol import trapezoid
 from palpate.study.recorded_history import recorded
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 CREEP = {"model": "nonlinear_burgers", **EPOXY}
 CONE = {"shape": "cone", "half_angle": 70.3}
 
 
 def simulated(material, protocol):
-    simulation = simulate(specification_from({"material": material, "indenter": CONE, "protocol": protocol}))
+    simulation = simulate(
+        specification_from({"material": material, "indenter": CONE, "protocol": protocol, "kinematics": "small"})
+    )
     assert simulation.status == "ok", simulation.reason
     return simulation
 

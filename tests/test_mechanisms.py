@@ -13,18 +13,22 @@ from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.solver.simulation import simulate, specification_from
+from palpate.solver.simulation import simulate, simulate_batch, specification_from
 from palpate.solver.variation import applied_to_body
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BASE = {
     "material": {"model": "nonlinear_burgers", **EPOXY},
     "indenter": {"shape": "cone", "half_angle": 70.3},
     "protocol": {"max_load": 1.0, "loading_time": 30, "hold_time": 10, "unloading_time": 30, "points": 28},
+    "kinematics": "small",
 }
 SCALE = Scale(**HOOKS.TYPICAL)
 RECORDED = [key for key, mechanism in MECHANISMS.items() if not mechanism.acts_on_body]
 VISIBLE = {key: dict(mechanism.example) for key, mechanism in MECHANISMS.items()}
+
+
+PAIRS = list(itertools.combinations(VISIBLE, 2))
 
 
 def depth(mechanisms=None):
@@ -34,18 +38,27 @@ def depth(mechanisms=None):
 
 
 @pytest.fixture(scope="module")
+def curves():
+    """Return the simulations of every mechanism, neutral and visible, and of all pairs, which run in lanes together."""
+    wanted = {("neutral", key): {key: dict(mechanism.neutral)} for key, mechanism in MECHANISMS.items()}
+    wanted |= {keys: {key: VISIBLE[key] for key in keys} for keys in [*((key,) for key in VISIBLE), *PAIRS]}
+    found = simulate_batch([specification_from(BASE | {"mechanisms": each}) for each in wanted.values()])
+    return dict(zip(wanted, found, strict=True))
+
+
+@pytest.fixture(scope="module")
 def plain():
     return depth()
 
 
 @pytest.mark.parametrize("key", MECHANISMS)
-def test_neutral_amplitude_is_the_identity(key, plain):
-    assert depth({key: dict(MECHANISMS[key].neutral)}) == pytest.approx(plain, rel=2e-3)
+def test_neutral_amplitude_is_the_identity(key, curves, plain):
+    assert curves["neutral", key].depth == pytest.approx(plain, rel=2e-3)
 
 
 @pytest.mark.parametrize("key", MECHANISMS)
-def test_effect_is_visible(key, plain):
-    assert np.abs(depth({key: VISIBLE[key]}) - plain).max() > 1.0
+def test_effect_is_visible(key, curves, plain):
+    assert np.abs(curves[key,].depth - plain).max() > 1.0
 
 
 @pytest.mark.parametrize("key", RECORDED)
@@ -87,12 +100,13 @@ def test_what_is_planted_is_diagnosed_as_itself(key):
     assert (found.verdict, [each.fit.explanation for each in found.accepted]) == ("identified", [(key,)])
 
 
-@pytest.mark.parametrize("pair", list(itertools.combinations(VISIBLE, 2)), ids="+".join)
-def test_pairs_run(pair):
-    depth({key: VISIBLE[key] for key in pair})
+@pytest.mark.parametrize("pair", PAIRS, ids="+".join)
+def test_pairs_run(pair, curves):
+    assert curves[pair].status == "ok", curves[pair].reason
 
 
 @pytest.mark.parametrize("kinematics", ["small", "large"])
+@pytest.mark.slow
 def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
     """Each alone does about what it does under the equivalent cone; all of them run at once."""
     monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.15, sectors=6))

@@ -84,6 +84,7 @@ def off_where_loaded(depth, true, condition):
     return np.sqrt(np.mean((depth / true - 1.0)[loaded] ** 2))
 
 
+@pytest.mark.slow
 def test_at_the_place_curves_are_those_of_the_model_of_record(study, plain, record):
     """Under the test that takes part, and under the one that was held out."""
     u = plain.coordinates.scaled(middle(study))
@@ -95,6 +96,7 @@ def test_at_the_place_curves_are_those_of_the_model_of_record(study, plain, reco
 
 
 @pytest.mark.parametrize("modulus", [3.0, 3.7])
+@pytest.mark.slow
 def test_it_serves_another_material_nearby(tmp_path, modulus):
     """To a quarter of what the usual mesh errs by itself, though it has fewer samples and hence longer steps."""
     study = loaded(tmp_path, points=100)
@@ -108,6 +110,7 @@ def test_it_serves_another_material_nearby(tmp_path, modulus):
 
 
 @pytest.mark.parametrize("share", [0.35, 0.8])
+@pytest.mark.slow
 def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, share):
     """Of another modulus, too: within the error of grid convergence, which the study states."""
     (condition,) = plain.conditions
@@ -118,10 +121,12 @@ def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, s
     assert off_where_loaded(found["T010"], true, condition) < study.calibration["solver_error"]
 
 
+@pytest.mark.slow
 def test_what_creeps_needs_no_derivatives_of_a_finer_mesh(record):
     assert record.extrapolated(record.anchors.point) is None
 
 
+@pytest.mark.slow
 def test_curves_of_finer_meshes_serve_there_and_elsewhere(tmp_path):
     """Measured by `finest`, which no fit uses."""
     study = loaded(tmp_path, points=60)
@@ -139,6 +144,7 @@ def test_curves_of_finer_meshes_serve_there_and_elsewhere(tmp_path):
     assert refined.refined(here) is None
 
 
+@pytest.mark.slow
 def test_where_the_edge_of_contact_matters_curves_are_refined_with_their_derivatives(study, record):
     yielding = record.joined([MECHANISMS["plastic_yield"]], scale_of(study))
     assert yielding.refined(np.append(record.anchors.point, [0.3, 0.2])) is None
@@ -152,6 +158,7 @@ def test_where_the_edge_of_contact_matters_curves_are_refined_with_their_derivat
         ("adhesion", ([0.4], [0.5])),
     ],
 )
+@pytest.mark.slow
 def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(tmp_path, key, amplitudes):
     """The usual mesh errs by a visible part of what the amplitude changes."""
     study = loaded(tmp_path, points=60)
@@ -171,6 +178,7 @@ def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(t
     assert missed[1] < 0.5 * missed[0]
 
 
+@pytest.mark.slow
 def test_a_held_out_test_like_a_fitted_one_has_its_curve_where_a_fit_ended_on_finer_meshes(tmp_path):
     """One fast model serves both, and both hold what finer meshes add to the accurate one."""
     (fitted_test,) = STUDY["conditions"]
@@ -184,6 +192,7 @@ def test_a_held_out_test_like_a_fitted_one_has_its_curve_where_a_fit_ended_on_fi
     assert np.abs(curves["AGAIN"] - of_fitted).max() < 0.1 * np.abs(accurate - of_fitted).max()
 
 
+@pytest.mark.slow
 def test_the_curves_at_one_lag_serve_another(tmp_path):
     """From the first sample on, where the load comes late by half of what it lasts."""
     study = loaded(tmp_path, points=100)
@@ -195,6 +204,7 @@ def test_the_curves_at_one_lag_serve_another(tmp_path):
     assert found["T010"] == pytest.approx(on_fine_mesh(plain, lags[1], condition), abs=1e-3 * found["T010"].max())
 
 
+@pytest.mark.slow
 def test_what_the_refinement_changed_is_known_at_all_samples(plain, record):
     anchor, keep = record.anchors.of["T010"], kept(plain.conditions[0].protocol)
     changed = record.refinements["T010"]
@@ -246,6 +256,7 @@ def test_what_a_change_makes_of_a_curve_is_told_by_few_samples():
     assert anchor.scaled(columns[keep, 0], history(time)) == pytest.approx(expected[:, 0])
 
 
+@pytest.mark.slow
 def test_the_mesh_errs_by_the_bodys_depth_not_by_what_the_instrument_adds(study, plain, record):
     """In curves and slopes, wherever the model of record is known: with the instrument's effects, or without."""
     scale, load = scale_of(study), plain.conditions[0].protocol.sample_load
@@ -269,6 +280,7 @@ def test_the_mesh_errs_by_the_bodys_depth_not_by_what_the_instrument_adds(study,
     assert there["T010"] == pytest.approx(true, rel=1e-9, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_slopes_are_those_of_the_curves(study, record):
     """With what the instrument adds, over a step that is a hundred times that of the neighbours."""
     model = record.joined([MECHANISMS["frame_compliance"]], scale_of(study))
@@ -280,6 +292,7 @@ def test_slopes_are_those_of_the_curves(study, record):
         assert slope == pytest.approx(difference, abs=0.01 * np.abs(difference).max())
 
 
+@pytest.mark.slow
 def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_mesh(study, plain, monkeypatch):
     def failing(specifications, few_sectors):
         return [
@@ -297,6 +310,7 @@ def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_
 
 
 @pytest.mark.parametrize(("key", "own", "within"), [("second_voigt", 3, 0.01), ("plastic_yield", 2, 0.05)])
+@pytest.mark.slow
 def test_changes_by_some_of_the_points_are_those_of_all(key, own, within):
     """Of the model of record: the errors of mesh and steps cancel in them."""
     study = load_study(CHALLENGE)
@@ -309,6 +323,7 @@ def test_changes_by_some_of_the_points_are_those_of_all(key, own, within):
     assert moved - before == pytest.approx(there - here, abs=within * np.abs(there - here).max())
 
 
+@pytest.mark.slow
 def test_a_body_that_no_mesh_holds_fails_and_leaves_others(study, plain):
     """A film that is thinner than an element, asked for together with a thick one."""
     model = plain.joined([MECHANISMS["film_on_substrate"]], scale_of(study))

@@ -20,6 +20,7 @@ SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34},
     "indenter": {"shape": "cone", "half_angle": 70.3, "friction": 0.1},
     "protocol": {"max_load": 1.0, "loading_time": 10.0, "unloading_time": 10.0, "points": 8},
+    "kinematics": "small",
 }
 
 DRIFT = ("thermal_drift",)

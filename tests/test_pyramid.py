@@ -28,6 +28,7 @@ SPEC = {
     "material": {"model": "elastic", "youngs_modulus": 3.28, "poisson_ratio": 0.34},
     "indenter": {"shape": "berkovich"},
     "protocol": {"max_load": 1.0, "loading_time": 1.0, "unloading_time": 1.0, "points": 4},
+    "kinematics": "small",
 }
 STUDY = {
     "study": "pyramid",

@@ -9,6 +9,8 @@ from palpate.errors import InputError
 from palpate.solver.simulation import simulate, specification_from
 from studies.real.diagnose_source import diagnose_source
 
+pytestmark = pytest.mark.slow
+
 MATERIAL = {"model": "elastic", "poisson_ratio": 0.35}
 INDENTER = {"shape": "cone", "half_angle": 70.3}
 COMPLIANCE = 60.0
@@ -21,7 +23,15 @@ def study(tmp_path, monkeypatch):
     protocol = {"max_load": 2.0, "loading_time": 20, "hold_time": 10, "unloading_time": 20, "points": 150}
     mechanisms = {"frame_compliance": {"compliance": COMPLIANCE}}
     found = simulate(
-        specification_from({"material": truth, "indenter": INDENTER, "protocol": protocol, "mechanisms": mechanisms})
+        specification_from(
+            {
+                "material": truth,
+                "indenter": INDENTER,
+                "protocol": protocol,
+                "mechanisms": mechanisms,
+                "kinematics": "small",
+            }
+        )
     )
     depth = found.depth + 0.3 * np.random.default_rng(3).standard_normal(len(found.depth))
     rows = np.column_stack([found.time, found.load, depth])

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from palpate.verification import reference_curves
-from palpate.verification.case import Settings
+from studies.verification.case import Settings
+from studies.verification.cases import reference_curves
+
+pytestmark = pytest.mark.slow
 
 FOLDER = Path(__file__).parent.parent.parent / "shared/reference"
 pytestmark = pytest.mark.skipif(

@@ -3,6 +3,8 @@
 import pytest
 from ripple import indentation, ripple
 
+pytestmark = pytest.mark.slow
+
 CALM, YIELDING = 5e-5, 2e-4
 LIMITS = {"elastic": CALM, "burgers": CALM, "polymer": YIELDING, "aluminium": YIELDING}
 

@@ -10,7 +10,7 @@ from palpate.solver.axisymmetric.discretisation import mesh_radii
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, specification_from
 from palpate.solver.variation import applied_to_body
-from palpate.verification.reference_materials import BURGERS as EPOXY
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 BURGERS = {"model": "nonlinear_burgers", **EPOXY}
 SECOND = {"transient_coefficient_2": 0.1, "transient_exponent_2": 0.3, "retardation_time_2": 10.0}
@@ -72,7 +72,13 @@ CASES = {
 
 def specification(**changes):
     mechanisms = {key: changes.pop(key) for key in list(changes) if key in MECHANISMS}
-    base = {"material": BURGERS, "indenter": CONE, "protocol": PROTOCOL, "mechanisms": mechanisms}
+    base = {
+        "material": BURGERS,
+        "indenter": CONE,
+        "protocol": PROTOCOL,
+        "mechanisms": mechanisms,
+        "kinematics": "small",
+    }
     return specification_from(base | changes)
 
 

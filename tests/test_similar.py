@@ -28,7 +28,9 @@ CONE = Indenter("cone", half_angle=70.3)
 
 
 def under(load, hold=5.0, **changes):
-    specification = Specification("nonlinear_burgers", EPOXY, CONE, trapezoid(load, 10, hold, 10, points=20))
+    specification = Specification(
+        "nonlinear_burgers", EPOXY, CONE, trapezoid(load, 10, hold, 10, points=20), kinematics="small"
+    )
     return replace(specification, **changes)
 
 

@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from palpate.base import kernel_cache, source_code
-from palpate.base.fingerprint import closure, content
+from palpate.base.checksum import content
+from palpate.base.fingerprint import closure
 from palpate.base.source_code import canonical
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError, PalpateError
@@ -143,6 +144,7 @@ SPECIFICATION = Specification(
     {"youngs_modulus": 3.0, "poisson_ratio": 0.3},
     Indenter("cone", half_angle=70.3),
     trapezoid(1.0, 1.0, 0.0, 1.0, points=10),
+    kinematics="small",
 )
 
 
@@ -203,7 +205,9 @@ def test_equal_numbers_of_any_kind_have_the_same_address():
     """Whole, of NumPy, or a negative zero, in a different order of keys."""
     indenter = Indenter("cone", half_angle=np.float64(70.3), radius=0, friction=-0.0)
     parameters = {"poisson_ratio": 0.3, "youngs_modulus": 3}
-    same = Specification("elastic", parameters, indenter, SPECIFICATION.protocol, film_thickness=np.inf)
+    same = Specification(
+        "elastic", parameters, indenter, SPECIFICATION.protocol, film_thickness=np.inf, kinematics="small"
+    )
     assert store.address(same) == store.address(SPECIFICATION)
 
 
@@ -261,12 +265,34 @@ def test_a_folder_in_the_place_of_a_curve_is_named(tmp_path):
         run(s, tmp_path)
 
 
+def tables(study, folder):
+    """Write the curves of every batch, as its job does, and return the files."""
+    files = []
+    for batch in store.plan(study):
+        files.append(folder / f"{batch.name}.parquet")
+        contents = store.computed(batch.snapshots, folder, lambda line: None)
+        store.table(batch.snapshots, contents).to_parquet(files[-1], index=False)
+    return files
+
+
+def test_a_batch_keeps_its_curves_in_one_file_to_the_last_bit(tmp_path):
+    s = study(tmp_path)
+    run(s, tmp_path)
+    files = tables(s, tmp_path)
+    expected = store.computed(snapshots_under(s, "a"), tmp_path, lambda line: None)
+    for one, other in zip(store.curves_under(files, "a"), expected, strict=True):
+        assert one["parameters"] == other["parameters"]
+        for key in store.CURVES.values():
+            np.testing.assert_array_equal(one[key], other[key])
+
+
 def test_a_curve_that_another_study_left_serves_though_its_grid_has_other_parameters(tmp_path):
     run(study(tmp_path), tmp_path)
     levels = STUDY["parameters"] | {"poisson_ratio": [0.3]}
     s = study(tmp_path, material={"model": "elastic"}, parameters=levels)
     assert run(s, tmp_path) == [0, 0]
-    parameters, *_ = store.matrix(store.curves_under(s, "a", tmp_path), s.levels)
+    contents = store.curves_under(tables(s, tmp_path), "a")
+    parameters, *_ = store.matrix(contents, s.levels)
     assert [dict(zip(s.levels, row, strict=True)) for row in parameters.tolist()] == s.cells
 
 

@@ -4,6 +4,8 @@ import pytest
 
 from benchmarks.soak import soak
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.faults(before="curves differed by up to 5e-8")
 def test_what_is_killed_at_random_moments_ends_as_if_nothing_had_been(tmp_path):

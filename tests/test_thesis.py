@@ -73,6 +73,7 @@ def burgers(values, load, duration):
                 "material": {"model": "nonlinear_burgers", "poisson_ratio": 0.34, **values},
                 "indenter": {"shape": "cone", "half_angle": 70.3},
                 "protocol": trapezoid(load, duration, 0, duration, points=20),
+                "kinematics": "small",
             }
         )
     ).depth

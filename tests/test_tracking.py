@@ -200,6 +200,7 @@ def at_once(*jobs):
 
 
 @pytest.mark.faults(before="every run arrived twice")
+@pytest.mark.slow
 def test_two_processes_that_send_the_same_records_send_them_once(here):
     write_records(here)
     at_once((here,), (here,))
@@ -207,6 +208,7 @@ def test_two_processes_that_send_the_same_records_send_them_once(here):
 
 
 @pytest.mark.faults(before="no run of eight writers arrived")
+@pytest.mark.slow
 def test_four_folders_that_share_a_fresh_store_lose_nothing(tmp_path):
     import mlflow
 
@@ -241,6 +243,7 @@ def _accept(listener):
 
 
 @pytest.mark.faults(before="4 min 20 s of silence, a traceback, the study stopped")
+@pytest.mark.slow
 def test_a_server_of_no_use_costs_seconds_and_loses_nothing(here, server, capsys, monkeypatch):
     write_records(here)
     monkeypatch.setenv("MLFLOW_TRACKING_URI", server)
@@ -273,6 +276,7 @@ def assert_named(told, problem):
 
 
 @pytest.mark.faults(before="a page of traceback, results removed")
+@pytest.mark.slow
 def test_a_store_of_another_version_is_named_with_the_remedy_and_loses_nothing(here):
     write_records(here)
     assert sent_apart(here)[0] == 0

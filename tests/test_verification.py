@@ -1,5 +1,6 @@
 """The verification itself: its measures, report and exit code, and a small run of CalculiX where there is one."""
 
+import importlib
 import json
 import math
 import shutil
@@ -9,15 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from palpate.cli import verify
 from palpate.cli.main import main
 from palpate.errors import PalpateError
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.solver.axisymmetric.mesh import Resolution
-from palpate.verification import calculix, runner
-from palpate.verification.calculix_large import Curve
-from palpate.verification.calculix_small import elastic
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, rms, worst
-from palpate.verification.mesh_convergence import richardson
+from studies.verification import calculix, cases, runner
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, rms, worst
+from studies.verification.cases.calculix_large import Curve
+from studies.verification.cases.calculix_small import elastic
+from studies.verification.cases.mesh_convergence import richardson
 
 GOOD = Row("depth [nm]", 100.0, 100.4, 0.005)
 BAD = Row("depth [nm]", 100.0, 101.0, 0.005)
@@ -85,6 +87,21 @@ def test_a_failed_check_is_told_and_ends_with_one(monkeypatch, tmp_path, capsys,
     assert main(["verify", "--quick", "-o", str(tmp_path)]) == 1
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert "Failed: First" in (tmp_path / "report.html").read_text()
+
+
+def test_every_module_of_the_folder_of_cases_holds_some():
+    modules = {file.stem for file in Path(cases.__file__).parent.glob("*.py")} - {"__init__"}
+    assert {case.run.__module__.split(".")[-1] for case in cases.CASES} <= modules | {"calculix"}
+    assert all(importlib.import_module(f"{cases.__name__}.{name}").CASES for name in modules)
+    assert len({case.key for case in cases.CASES}) == len(cases.CASES) > 10
+
+
+def test_away_from_a_clone_it_says_so_in_one_line(monkeypatch, tmp_path, refused):
+    monkeypatch.setattr(verify, "CLONE", tmp_path)
+    assert refused("verify", "--quick") == (
+        "palpate: palpate verify compares the solver with cases that only its repository holds; "
+        "run it in a clone, after `pip install -e .` there"
+    )
 
 
 def test_a_missing_reference_folder_is_refused(tmp_path, capsys):

@@ -8,6 +8,8 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
+import traceback
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +18,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from snakemake import cli
 
 from palpate.configuration.study_file import study_from
 from palpate.recordings.recording_file import read_recording
@@ -68,9 +71,40 @@ def snakemake(folder, *arguments, study=None):
 
 
 def execute(folder, *arguments):
+    if "--dry-run" in arguments:
+        return planned_in_a_fork(folder, ["--cores", "2", *arguments])
     command = [sys.executable, "-m", "snakemake", "--cores", "2", *arguments]
     environment = {key: value for key, value in os.environ.items() if key != "MLFLOW_TRACKING_URI"}
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+
+
+def planned_in_a_fork(folder, arguments):
+    """Return what Snakemake plans, in a copy of this process, which has imported all that it needs."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                os.chdir(folder)
+                os.dup2(out.fileno(), 1)
+                os.dup2(err.fileno(), 2)
+                sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+                sys.argv = ["snakemake", *arguments]
+                cli.main(arguments)
+            except SystemExit as leaving:
+                code = leaving.code or 0
+            except BaseException:
+                traceback.print_exc()
+            finally:
+                sys.stdout.flush()
+                sys.stderr.flush()
+                os._exit(code)
+        _, status = os.waitpid(child, 0)
+        texts = []
+        for stream in (out, err):
+            stream.seek(0)
+            texts.append(stream.read())
+    return subprocess.CompletedProcess(arguments, os.waitstatus_to_exitcode(status), *texts)
 
 
 def copied(folder, *further):
@@ -133,6 +167,7 @@ def test_estimates_hold_the_truth(finished):
     assert ((free["lower"] <= free["truth"]) & (free["truth"] <= free["upper"])).all()
 
 
+@pytest.mark.slow
 def test_a_blind_trial_goes_from_the_seal_to_its_summary(finished):
     trial = TINY | {"challenge": {"seed": 4, "none": 1, "one": 1, "two": 0, "unknown": 0, "accuracy": "standard"}}
     run = snakemake(finished, "challenge", study=trial)
@@ -197,6 +232,7 @@ def test_what_is_drawn_under_the_title_is_drawn_again_under_a_new_one(file):
     assert "title=constant(STUDY.title)" in drawing
 
 
+@pytest.mark.slow
 def test_an_edited_recording_is_calibrated_again(finished):
     """With the stiffness that lies beside."""
     own = finished / "own"
@@ -273,6 +309,7 @@ use rule * from indentation as indentation_*
     assert "epon862" not in run.stdout + run.stderr
 
 
+@pytest.mark.slow
 def test_lost_tables_come_back_from_the_store(finished):
     run = snakemake(finished, "results/tiny/snapshots.csv")
     assert run.returncode == 0, run.stderr[-3000:]
@@ -286,6 +323,7 @@ def test_lost_tables_come_back_from_the_store(finished):
     assert (finished / "results/tiny/snapshots.csv").read_bytes() == table
 
 
+@pytest.mark.slow
 def test_a_new_level_recomputes_no_snapshot_that_exists(finished):
     store = finished / "results/store"
     before = {file: file.stat().st_mtime_ns for file in store.rglob("*.npz")}
@@ -329,8 +367,9 @@ def test_files_that_are_missing_are_told_before_anything_runs(tmp_path, target, 
 
 
 @pytest.mark.parametrize("failed", [0, 1])
+@pytest.mark.slow
 def test_a_verification_with_failed_checks_ends_with_an_error_and_keeps_its_report(tmp_path, failed):
-    results = copied(tmp_path, "config") / "results/verification"
+    results = copied(tmp_path, "config", "studies") / "results/verification"
     results.mkdir(parents=True)
     (results / "report.html").write_text("made before")
     (results / "verification.json").write_text(json.dumps({"checks": 2, "failed": failed}))
@@ -341,7 +380,7 @@ def test_a_verification_with_failed_checks_ends_with_an_error_and_keeps_its_repo
 
 
 def test_a_key_on_the_command_line_that_is_neither_true_nor_false_is_refused(tmp_path):
-    run = execute(copied(tmp_path, "config"), "verification", "--dry-run", "--config", "quick=maybe")
+    run = execute(copied(tmp_path, "config", "studies"), "verification", "--dry-run", "--config", "quick=maybe")
     assert run.returncode == 2
     assert run.stderr.splitlines()[-1].startswith("palpate: quick=maybe is neither true nor false")
 

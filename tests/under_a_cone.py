@@ -3,7 +3,7 @@
 import numpy as np
 
 from palpate.solver.simulation import simulate_batch, specification_from
-from palpate.verification.reference_materials import BURGERS
+from studies.verification.reference_materials import BURGERS
 
 HOOKE = {"youngs_modulus": 3.28, "poisson_ratio": 0.34}
 CREEP = {name: value for name, value in BURGERS.items() if name not in HOOKE}

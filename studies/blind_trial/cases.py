@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from palpate.base.checksum import checksum
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import considered
 from palpate.mechanisms.draws import log_uniform
-from palpate.workflow_support.result_files import checksum
 from studies.blind_trial.unknown import UNKNOWN
 
 INNER = 0.1

@@ -20,12 +20,12 @@ from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.reference_materials import BURGERS as EPOXY
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import Outcomes, Studies
 from studies.thesis.rules import Rule, at_least, at_most
 from studies.thesis.runs import Curves, Design, Run
 from studies.thesis.study import Context, Outcome, Rows, ThesisStudy, compare
+from studies.verification.reference_materials import BURGERS as EPOXY
 
 RIGID_CONE = TipConstants(beta=1.0, elastic=None)
 CONE, SPHERE = Indenter("cone", half_angle=70.3), Indenter("sphere", radius=10000.0)
@@ -64,7 +64,7 @@ NOISE, MEMORY = 1.0, 1.0
 def runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
     """Return the exact curve of every recording."""
     return [
-        Run({"recording": name}, Specification(model, values, indenter, protocol, accuracy="fine"))
+        Run({"recording": name}, Specification(model, values, indenter, protocol, accuracy="fine", kinematics="small"))
         for name, (model, values, indenter, protocol) in RECORDINGS.items()
     ]
 
@@ -240,7 +240,7 @@ def full_row(name: str, recorded: Mapping[str, Curves]) -> dict[str, Any]:
 
     def curve(x: np.ndarray, protocol: Protocol) -> np.ndarray:
         parameters = {**dict(zip(names, map(float, x * scale), strict=True)), "poisson_ratio": poisson}
-        return simulate(Specification(model, parameters, indenter, protocol)).depth
+        return simulate(Specification(model, parameters, indenter, protocol, kinematics="small")).depth
 
     found = least_squares(
         lambda x: curve(x, protocol) - depth,

@@ -67,7 +67,7 @@ def runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
             if name:
                 values[name] += share * (RANGES[name][1] - RANGES[name][0])
             labels = {"test": test, "moved": name, "share": share, **values}
-            found.append(Run(labels, Specification(study.model, values, indenter, protocol)))
+            found.append(Run(labels, Specification(study.model, values, indenter, protocol, kinematics="small")))
     return found
 
 
@@ -214,7 +214,9 @@ def profile_likelihoods(curves: Curves, study: Study, widths: np.ndarray) -> dic
         parts = []
         for name in CALIBRATED:
             protocol = study.condition(name).protocol
-            found = simulate_batch(Specification(study.model, row, CONE, protocol) for row in values)
+            found = simulate_batch(
+                Specification(study.model, row, CONE, protocol, kinematics="small") for row in values
+            )
             depth = np.array([one.depth if one.status == "ok" else np.full(len(one.depth), np.nan) for one in found])
             parts.append(
                 solve_triangular(factors[name], (depth - base[name].depth).T, lower=True, check_finite=False).T

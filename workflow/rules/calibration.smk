@@ -16,10 +16,15 @@ rule calibration:
         record=f"{FOLDER}/tracking/{{recordings}}/calibrations/{{condition_set}}.json",
     log:
         f"{FOLDER}/logs/calibration/{{recordings}}/{{condition_set}}.log",
+    benchmark:
+        f"{FOLDER}/benchmarks/calibration/{{recordings}}/{{condition_set}}.tsv"
     wildcard_constraints:
         condition_set="|".join(map(re.escape, FURTHER)) or "(?!)",  # matches no text
     conda:
         "../../envs/palpate.yaml"
+    resources:
+        mem_mb=1500,
+        runtime=240,
     params:
         title=constant(STUDY.title),
         recordings=lambda wildcards: contents(wildcards.recordings),
@@ -48,6 +53,7 @@ rule main_calibration:
         f"{FOLDER}/{{recordings}}/calibration.json",
     log:
         f"{FOLDER}/logs/main_calibration/{{recordings}}.log",
+    localrule: True
     conda:
         "../../envs/palpate.yaml"
     message:

@@ -1,8 +1,6 @@
 # What all rules share: the checked study, its plan of snapshots, and the identity of this execution.
-import atexit
 import datetime
 import functools
-import hashlib
 import os
 import re
 import shlex
@@ -39,6 +37,7 @@ try:
 except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
+from palpate.base.checksum import checksum
 from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.study_file import load_study, study_from
@@ -50,11 +49,8 @@ from palpate.inference.study_recordings import (
 from palpate.workflow_support import job, manifest
 from palpate.workflow_support.check_study import checked
 from palpate.workflow_support.result_files import (
-    altered,
-    checksum,
-    move_aside,
-    move_back,
     read_json,
+    refuse_altered,
 )
 
 
@@ -106,11 +102,6 @@ def accepted(function, *arguments):
         refuse(error)
 
 
-def quick():
-    """Whether the verification leaves out what takes long."""
-    return accepted(job.boolean, "quick", config.get("quick"))
-
-
 def curves(values, accuracy):
     """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
@@ -123,17 +114,12 @@ def curves(values, accuracy):
     ]
 
 
-def joint_checksum(files):
-    """One checksum of files, as a copy keeps the time of an old one."""
-    return hashlib.sha256("".join(map(checksum, files)).encode()).hexdigest()
-
-
 @functools.cache
 def contents(name):
-    """The checksum of a set of recordings; none of what the workflow writes."""
+    """The checksum of a set of recordings, as a copy keeps the time of an old one; none of what the workflow writes."""
     if written_by_workflow(STUDY, name):
         return ""
-    return joint_checksum(files_of(STUDY, name))
+    return checksum(*files_of(STUDY, name))
 
 
 def all_recordings(wildcards):
@@ -141,26 +127,15 @@ def all_recordings(wildcards):
     return [file for name in STUDY.recordings for file in files_of(STUDY, name)]
 
 
-def reference_curves(wildcards):
-    """The files of the folder of reference curves, where one is given."""
-    folder = config.get("reference")
-    if folder and not Path(folder).is_dir():
-        remedy = "give a folder of curves"
-        refuse(InputError("the folder is missing", remedy=remedy, file=folder))
-    return sorted(map(str, Path(folder).glob("*.csv"))) if folder else []
-
-
 STUDY = read_study()
 FOLDER = f"results/{STUDY.name}"
 if workflow.is_main_process:
     try:
-        ALTERED = list(altered(Path(FOLDER, "logs")))
-        atexit.register(move_back, ALTERED, Path.cwd())  # after a dry run
-        move_aside(ALTERED)
+        refuse_altered(Path(FOLDER, "logs"), sys.argv[1:])
+    except InputError as error:
+        refuse(error)
     except OSError as error:
         refuse(of_system(error))
-    for result in ALTERED:
-        print(f"palpate: {result}", file=sys.stderr)
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
 CALIBRATED = [condition.name for condition in STUDY.calibrated]
 OWN_LOADS = [condition.name for condition in STUDY.conditions if condition.own_loads]

@@ -11,9 +11,14 @@ rule diagnosis:
         record=f"{FOLDER}/tracking/{{recordings}}/diagnosis.json",
     log:
         f"{FOLDER}/logs/diagnosis/{{recordings}}.log",
+    benchmark:
+        f"{FOLDER}/benchmarks/diagnosis/{{recordings}}.tsv"
     conda:
         "../../envs/palpate.yaml"
     threads: 2
+    resources:
+        mem_mb=3000,
+        runtime=720,
     params:
         title=constant(STUDY.title),
         recordings=lambda wildcards: contents(wildcards.recordings),

@@ -36,7 +36,7 @@ if STUDY.source:
             source=constant(
                 {key: STUDY.source[key] for key in STUDY.source if key != "file"}
             ),
-            content=joint_checksum(with_stiffness(Path(STUDY.source["file"]))),
+            content=checksum(*with_stiffness(Path(STUDY.source["file"]))),
             code=code("scripts/vendor_recordings.py"),
         message:
             "recordings from the vendor's file"

@@ -54,6 +54,7 @@ rule tables:
         convergence=f"{FOLDER}/{{recordings}}/figures/convergence.png",
     log:
         f"{FOLDER}/logs/tables/{{recordings}}.log",
+    localrule: True
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -75,6 +76,7 @@ rule report:
         manifest=f"{FOLDER}/report.manifest.json",
     log:
         f"{FOLDER}/logs/report.log",
+    localrule: True
     conda:
         "../../envs/palpate.yaml"
     params:
@@ -94,6 +96,7 @@ rule tracking:
         f"{FOLDER}/tracking/receipt.json",
     log:
         f"{FOLDER}/logs/tracking.log",
+    localrule: True
     conda:
         "../../envs/palpate.yaml"
     params:

@@ -1,11 +1,16 @@
-# One job for each batch: its curves go to the store, its table lists their addresses and those that failed.
+# One job for each batch: its file holds its curves. The store, a cache of all studies, keeps them one by one as well.
 rule snapshots:
     output:
-        f"{FOLDER}/snapshots/{{batch}}.csv",
+        f"{FOLDER}/snapshots/{{batch}}.parquet",
     log:
         f"{FOLDER}/logs/snapshots/{{batch}}.log",
+    benchmark:
+        f"{FOLDER}/benchmarks/snapshots/{{batch}}.tsv"
     conda:
         "../../envs/palpate.yaml"
+    resources:
+        mem_mb=1000,
+        runtime=60,
     params:
         curves=lambda wildcards: BATCHES[wildcards.batch].identity,
     message:
@@ -16,11 +21,12 @@ rule snapshots:
 
 rule snapshot_index:
     input:
-        expand(f"{FOLDER}/snapshots/{{batch}}.csv", batch=BATCHES),
+        expand(f"{FOLDER}/snapshots/{{batch}}.parquet", batch=BATCHES),
     output:
         f"{FOLDER}/snapshots.csv",
     log:
         f"{FOLDER}/logs/snapshot_index.log",
+    localrule: True
     conda:
         "../../envs/palpate.yaml"
     message:

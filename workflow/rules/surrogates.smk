@@ -2,7 +2,7 @@
 rule surrogate:
     input:
         lambda wildcards: [
-            f"{FOLDER}/snapshots/{name}.csv"
+            f"{FOLDER}/snapshots/{name}.parquet"
             for name, batch in BATCHES.items()
             if wildcards.condition
             in [condition.name for condition in batch.conditions]
@@ -13,8 +13,13 @@ rule surrogate:
         record=f"{FOLDER}/tracking/surrogates/{{condition}}.json",
     log:
         f"{FOLDER}/logs/surrogates/{{condition}}.log",
+    benchmark:
+        f"{FOLDER}/benchmarks/surrogates/{{condition}}.tsv"
     conda:
         "../../envs/palpate.yaml"
+    resources:
+        mem_mb=1000,
+        runtime=60,
     params:
         settings=constant(STUDY.surrogate),
         levels=STUDY.levels,
@@ -32,6 +37,7 @@ rule surrogate_figure:
         f"{FOLDER}/figures/surrogates.png",
     log:
         f"{FOLDER}/logs/surrogate_figure.log",
+    localrule: True
     conda:
         "../../envs/palpate.yaml"
     params:

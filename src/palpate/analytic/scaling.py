@@ -13,6 +13,7 @@ analysis.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from palpate.errors import InputError
@@ -40,13 +41,20 @@ def load_scaled(specification: Specification, factor: float) -> tuple[Specificat
 
 def stress_scaled(specification: Specification, factor: float) -> Specification:
     """Return the test of a material with `factor` times all stresses, whose depths are those of the given test."""
-    values = dict(specification.parameters)
-    for parameter in law_of(specification.model).declared(values):
+    values = with_stresses_scaled(specification.model, specification.parameters, factor)
+    return replace(specification, parameters=values, protocol=_protocol(specification.protocol, load=factor))
+
+
+def with_stresses_scaled(model: str, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
+    """Return the parameters of a model in which all stresses are `factor` times as large."""
+    values = dict(parameters)
+    for parameter in law_of(model).declared(values):
         power = {"GPa": 1.0, "1/GPa": -1.0}.get(parameter.unit, 0.0)
         if parameter.unit.startswith("GPa^-(2m"):
             power = -(2 * values[parameter.name.replace("coefficient", "exponent")] + 1)
-        values[parameter.name] *= factor**power
-    return replace(specification, parameters=values, protocol=_protocol(specification.protocol, load=factor))
+        if power:
+            values[parameter.name] *= factor**power
+    return values
 
 
 def time_scaled(specification: Specification, factor: float) -> Specification:

@@ -6,14 +6,13 @@ damaged one is as one that is missing.
 
 from __future__ import annotations
 
-import hashlib
 import pickle
 from pathlib import Path
 from typing import Any
 
 from numba.core import caching
 
-DIGEST = hashlib.sha256().digest_size
+from palpate.base.checksum import DIGITS, checksum
 
 
 class CheckedCacheFile(caching.IndexDataCacheFile):
@@ -28,13 +27,13 @@ class CheckedCacheFile(caching.IndexDataCacheFile):
     def _save_data(self, name: str, data: Any) -> None:
         content = self._dump(data)
         with self._open_for_write(self._data_path(name)) as file:
-            file.write(hashlib.sha256(content).digest() + content)
+            file.write(checksum(content).encode() + content)
 
     def _load_data(self, name: str) -> Any:
         stored = Path(self._data_path(name)).read_bytes()
-        if hashlib.sha256(stored[DIGEST:]).digest() != stored[:DIGEST]:
+        if checksum(stored[DIGITS:]).encode() != stored[:DIGITS]:
             raise OSError(f"{name} is damaged")  # numba compiles what it cannot read
-        return pickle.loads(stored[DIGEST:])
+        return pickle.loads(stored[DIGITS:])
 
 
 def install() -> None:

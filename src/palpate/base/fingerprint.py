@@ -1,17 +1,11 @@
-"""What a result rests on, for a hash: an object's content, and source code with all that it imports."""
+"""The source code that a result rests on, with all that it imports, as one checksum."""
 
 from __future__ import annotations
 
 import functools
-import hashlib
-from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
-from numbers import Real
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
+from palpate.base.checksum import checksum
 from palpate.base.source_code import known, source_code
 
 SOURCE = Path(__file__).parents[2]
@@ -20,18 +14,16 @@ DECIDE_NOTHING = ("palpate", "palpate.errors", "palpate.base.kernel_cache", "pal
 
 @functools.cache
 def fingerprint(*start: str | Path) -> str:
-    """Return a hash of some modules and of everything of the same packages that they import, directly or not.
+    """Return a checksum of some modules and of everything of the same packages that they import, directly or not.
 
     Parameters
     ----------
     start
         Names of modules, such as ``palpate.solver.simulation``, or files of scripts.
     """
-    digest = hashlib.sha256()
     with known():
-        for file in sorted(closure(*start), key=lambda file: (file.name, str(file))):
-            digest.update(f"{file.name} {source_code(file).identity}\n".encode())
-    return digest.hexdigest()
+        files = sorted(closure(*start), key=lambda file: (file.name, str(file)))
+        return checksum("".join(f"{file.name} {source_code(file).identity}\n" for file in files).encode())
 
 
 def closure(*start: str | Path) -> set[Path]:
@@ -66,29 +58,3 @@ def _file(module: str) -> Path | None:
             if file.is_file():
                 return file
     return None
-
-
-def content(value: Any) -> Any:
-    """Return what decides an object in terms of JSON, from every field of a dataclass that its constructor takes.
-
-    Fields that a dataclass derives from others are left out. Numbers become floats, which JSON writes with the fewest
-    digits that restore them, in every version of Python and under every locale.
-
-    Raises
-    ------
-    TypeError
-        For a kind of value that it does not know, rather than let two of them look the same.
-    """
-    if is_dataclass(value) and not isinstance(value, type):
-        return {type(value).__name__: {f.name: content(getattr(value, f.name)) for f in fields(value) if f.init}}
-    if isinstance(value, Mapping):
-        return {str(key): content(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return content(value.tolist())
-    if isinstance(value, list | tuple):
-        return [content(item) for item in value]
-    if value is None or isinstance(value, str | bool):
-        return value
-    if isinstance(value, Real):
-        return float(value) + 0.0  # a negative zero is zero
-    raise TypeError(f"{type(value).__name__} has no content that a hash could rest on")

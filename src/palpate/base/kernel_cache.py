@@ -10,13 +10,13 @@ for temporary files. There it is the user's alone, because numba executes what i
 
 from __future__ import annotations
 
-import hashlib
 import os
 import stat
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from palpate.base.checksum import checksum
 from palpate.errors import InputError
 
 PACKAGE = Path(__file__).parents[1]
@@ -30,11 +30,8 @@ def choose() -> None:
 
     A process inherits the variable from the one that began it, which may have other sources.
     """
-    digest = hashlib.sha256()
     kernels = (file for folder in SOURCES for file in sorted((PACKAGE / folder).glob("*.py")))
-    for file in (*FORM, *kernels):
-        digest.update(file.read_bytes())
-    name = f"{PREFIX}{digest.hexdigest()[:12]}"
+    name = f"{PREFIX}{checksum(*FORM, *kernels)[:12]}"
     if given := os.environ.get(VARIABLE):
         os.environ[VARIABLE] = str(_place(Path(given)) / name)
     elif found := kept(name):

@@ -1,8 +1,10 @@
-"""What a command may write: never over the file that it reads, nor over other results."""
+"""What a command may write: never over the file that it reads, nor over other results; and nothing when it fails."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from palpate.errors import InputError
@@ -40,3 +42,22 @@ def written_beside(path: Path, write: Callable[[Path], object]) -> Path:
     finally:
         made.unlink(missing_ok=True)
     return place
+
+
+@contextmanager
+def rolled_back_on_error(study: Path, folder: Path) -> Iterator[None]:
+    """Remove a study, its `folder` of recordings and the folders made for them when the block ends with an error.
+
+    Neither of the two may exist before; what else lies in an output folder stays.
+    """
+    made = [path for path in folder.parents if not path.exists()]
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):
+            study.unlink(missing_ok=True)
+        shutil.rmtree(folder, ignore_errors=True)
+        for path in made:
+            with suppress(OSError):
+                path.rmdir()
+        raise

@@ -9,7 +9,6 @@ from __future__ import annotations
 import ast
 import contextlib
 import functools
-import hashlib
 import io
 import json
 import tokenize
@@ -19,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.base import kernel_cache
+from palpate.base.checksum import checksum
 from palpate.base.whole_file import written_whole
 
 LAYOUT = (tokenize.COMMENT, tokenize.NL, tokenize.ENCODING, tokenize.ENDMARKER)
@@ -51,7 +51,7 @@ class SourceCode:
 def source_code(file: Path) -> SourceCode:
     """Return what decides in a file, and what it imports."""
     content = file.read_bytes()
-    key = hashlib.sha256(content + _own()).hexdigest()
+    key = checksum(content, Path(__file__))
     with contextlib.suppress(KeyError, TypeError):  # not known, or remembered in a file that was damaged
         return SourceCode(**_known[key])
     found = _parsed(content.decode("utf-8"))
@@ -76,11 +76,6 @@ def known() -> Iterator[None]:
             partial.write_text(json.dumps(_known), encoding="utf-8")
 
 
-@functools.cache
-def _own() -> bytes:
-    return Path(__file__).read_bytes()
-
-
 def _parsed(source: str) -> SourceCode:
     """Return what decides in source code, and what it imports."""
     imports, discovers = list[list[str]](), False
@@ -91,7 +86,7 @@ def _parsed(source: str) -> SourceCode:
             imports += [[f"{node.module}.{alias.name}", node.module] for alias in node.names]
         elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "discover":
             discovers = True
-    return SourceCode(hashlib.sha256(canonical(source).encode()).hexdigest(), imports, discovers)
+    return SourceCode(checksum(canonical(source).encode()), imports, discovers)
 
 
 def canonical(source: str) -> str:

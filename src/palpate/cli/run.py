@@ -21,6 +21,7 @@ CLONE = Path(__file__).parents[3]
 WHEEL = Path(__file__).parents[1] / "workflow"
 ROOM = 20 << 20  # bytes of the results of a small study
 PATIENCE = 1.0  # s that jobs have to end by themselves after Ctrl-C
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, the batch system, a terminal that is closed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--cores", type=_cores, default=os.cpu_count() or 1, metavar="N", help="number of cores (default: all)"
     )
     parser.add_argument("--data", help="the instrument's file, in place of source.file in the study")
+    parser.add_argument("--forcerun", nargs="+", default=[], metavar="RULE", help="rules or results to make again")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would be done, and do nothing")
 
 
@@ -46,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
     command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
     command += ["--config", f"data={_as_text(arguments.data)}"] if arguments.data else []
+    command += ["--forcerun", *arguments.forcerun] if arguments.forcerun else []
     command += ["--dry-run"] if arguments.dry_run else []
     if arguments.dry_run:
         return subprocess.run(command, env=_environment(), check=False).returncode
@@ -104,17 +107,27 @@ def _environment() -> dict[str, str]:
 
 
 def _executed(command: Sequence[str]) -> int:
-    """Return the exit code of an execution, which ends with all of its jobs and its lock when it is interrupted."""
+    """Return the exit code of an execution, which ends with all of its jobs and its lock when it is interrupted.
+
+    Signals wait until the process is known: one that came while it is begun would leave it behind.
+    """
     from palpate.workflow_support import killed_run
 
-    for asked_to_end in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(asked_to_end) is not signal.SIG_IGN:  # as nohup sets it
-            signal.signal(asked_to_end, signal.default_int_handler)
-    process = subprocess.Popen(command, env=_environment(), start_new_session=True)
+    for number in ENDING[1:]:
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets it
+            signal.signal(number, signal.default_int_handler)
+    environment, before = _environment(), signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+
+    def unblock() -> None:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    process = subprocess.Popen(command, env=environment, start_new_session=True, preexec_fn=unblock)
     try:
+        unblock()
         return process.wait()
     except KeyboardInterrupt:
-        os.killpg(process.pid, signal.SIGINT)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGINT)
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(PATIENCE)
         with contextlib.suppress(ProcessLookupError):

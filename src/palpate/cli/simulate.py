@@ -34,9 +34,10 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError("is a folder", remedy="name a file in it, such as curve.csv", file=arguments.output)
     output = checked_output(path, arguments.output)
     with located_in(path):
-        simulation = simulate(specification_from(values))
+        specification = specification_from(values)
+        simulation = simulate(specification)
     if simulation.status != "ok":
         raise PalpateError(f"{path}: the simulation failed: {simulation.reason}")
-    notes = (f"{SYNTHETIC}: simulated by palpate",)
+    notes = (f"{SYNTHETIC}: simulated by palpate", f"kinematics: {specification.kinematics}")
     Recording(simulation.time, simulation.load, simulation.depth, notes=notes).write(output)
     return 0

@@ -16,7 +16,6 @@ from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
-COARSE = 0.01  # relative error of the simulation above which it is said that a misfit may lie within it
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 OUTSIDE = 0.005  # of a range, beyond its ends: a parameter is reported as outside
 
@@ -74,11 +73,6 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
         messages.append(
             f"All tests reach the same largest {kinds.pop()}: a change of the material's parameters can have the same "
             f"effect as {effects}."
-        )
-    if study.calibration["solver_error"] >= COARSE:
-        messages.append(
-            f"The study allows the simulation an error of {study.calibration['solver_error']:.0%} of the depth: a "
-            "misfit within it counts as explained, even far above the noise."
         )
     if not any(item.role == "validate" for item in problem.observed.values()):
         messages.append("No condition was held out: the improvement cannot be checked on tests that were not fitted.")

@@ -8,17 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.base.overwrite import rolled_back_on_error
 from palpate.configuration.study_file import Study, load_study
-from palpate.draft.cut_off import cut_off
 from palpate.draft.drafted import Drafted
 from palpate.draft.grouping import Group, grouped
 from palpate.draft.guess_table import Guess, evaluated, guess_table
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import chosen_law
-from palpate.draft.prescribed_drive import Drive
+from palpate.draft.prescribed_drive import Drive, cut_off
 from palpate.draft.remarks import on_stiffness, remarks_on
-from palpate.draft.rollback_on_error import rolled_back_on_error
 from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from palpate.draft.guesses import Guessed
 from palpate.draft.known_tip import FILES, KnownTip
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import OF_GELS, Solid
 from palpate.draft.stated import modulus_and_hardness
 from palpate.materials import law_of
+from palpate.materials.first_guess import Guessed
 
 WIDEST = 40  # letters of a value
 

@@ -15,9 +15,10 @@ import yaml
 from palpate.configuration.study_file import SHARED
 from palpate.draft.grouping import Group
 from palpate.draft.guess_table import Guess
-from palpate.draft.guesses import Guessed, points_for
+from palpate.draft.guesses import points_for
 from palpate.draft.known_tip import KnownTip
 from palpate.materials import law_of
+from palpate.materials.first_guess import Guessed
 
 WIDTH = 116  # of a comment, without its sign
 STUDY = Template("""\

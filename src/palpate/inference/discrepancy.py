@@ -29,7 +29,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import block_diag, lapack, solve_triangular
-from scipy.special import logsumexp
+from scipy.special import log_ndtr, logsumexp
 
 from palpate.study.protocol import Protocol
 
@@ -129,7 +129,7 @@ def _correlated(protocols: tuple[Protocol, ...], sharp: bool) -> tuple[np.ndarra
     """Return factors (n, m) and (n, m') of the correlation of x, and of that within each test alone."""
     features = [_features(protocol, sharp) for protocol in protocols]
     every = np.vstack(features)
-    return _factor(_kernel(every)), block_diag(*(_factor(_kernel(each)) for each in features))
+    return correlation_factor(_kernel(every)), block_diag(*(correlation_factor(_kernel(each)) for each in features))
 
 
 def _features(protocol: Protocol, sharp: bool) -> np.ndarray:
@@ -150,7 +150,7 @@ def _kernel(features: np.ndarray) -> np.ndarray:
     return np.exp(-0.5 * np.maximum(distance, 0.0))
 
 
-def _factor(correlation: np.ndarray) -> np.ndarray:
+def correlation_factor(correlation: np.ndarray) -> np.ndarray:
     """Return columns (n, m) whose products are a correlation (n, n) to within `DROPPED`: Cholesky's with pivots."""
     found, pivots, rank, _ = lapack.dpstrf(correlation, lower=1, tol=DROPPED)
     rows = np.empty_like(pivots)
@@ -211,7 +211,11 @@ class Marginal:
         """Return the same with further data of unit variance, rows (d, c) of the same columns."""
         return replace(self, products=self.products + columns.T @ columns)
 
-    def log_densities(self, variance: float, moves: bool = True) -> np.ndarray:
+    def of_columns(self, places: Sequence[int]) -> Marginal:
+        """Return the same for some of the columns."""
+        return replace(self, products=self.products[:, places][:, :, places])
+
+    def log_densities(self, variance: float | np.ndarray, moves: bool = True, positive: bool = False) -> np.ndarray:
         """Return the log density (q,) of the first column at each node, the coefficients of the others integrated over.
 
         Constants of the number of points are left out.
@@ -219,15 +223,24 @@ class Marginal:
         Parameters
         ----------
         variance
-            Prior variance of each coefficient about zero.
+            Prior variance of the coefficients about zero, or of each (c - 1,).
         moves
             Whether the coefficients take their best values; else they stay at zero, and only their volume counts.
+        positive
+            Whether the last coefficient is positive, with half of a normal prior.
         """
-        precision = self.products[:, 1:, 1:] + np.eye(self.products.shape[1] - 1) / variance
+        variance = np.broadcast_to(variance, self.products.shape[1] - 1)
+        precision = self.products[:, 1:, 1:] + np.diag(1.0 / variance)
         pull, squares = self.products[:, 1:, 0], self.products[:, 0, 0]
+        best = np.linalg.solve(precision, pull[:, :, None])[:, :, 0]
         if moves:
-            squares = squares - np.einsum("qi,qi->q", pull, np.linalg.solve(precision, pull[:, :, None])[:, :, 0])
-        return -0.5 * (squares + np.linalg.slogdet(precision * variance)[1]) - self.half_log_det
+            squares = squares - np.einsum("qi,qi->q", pull, best)
+        volume = np.linalg.slogdet(precision)[1] + np.log(variance).sum()
+        found = -0.5 * (squares + volume) - self.half_log_det
+        if positive:
+            deviation = np.sqrt(np.linalg.inv(precision)[:, -1, -1])
+            found = found + np.log(2.0) + log_ndtr(best[:, -1] / deviation)
+        return found
 
 
 def _nodes() -> tuple[np.ndarray, np.ndarray]:

@@ -250,6 +250,11 @@ class Fit:
             return own is others
         return abs(np.log(own.share / others.share)) < SAME_SIZE and own.own == others.own
 
+    def within(self, tolerance: float) -> float:
+        """Return the probability that the law departs from the recordings by no more than a share of the depth."""
+        marginal, density = self._sizes
+        return float(np.exp(logsumexp(density[marginal.shares <= tolerance]) - logsumexp(density)))
+
     def law_share(self, quantiles: Sequence[float]) -> np.ndarray:
         """Return quantiles of the posterior of the discrepancy's standard deviation, as a share of the depth [-]."""
         marginal, density = self._sizes
@@ -260,10 +265,15 @@ class Fit:
 
     @cached_property
     def log_evidence(self) -> float:
-        """Laplace's approximation with priors of density one over the ranges, integrated over the law's discrepancy."""
+        """Laplace's approximation, integrated over the size of the law's discrepancy.
+
+        The prior of the amplitudes is normalised within their limits; that of the material has a density of one over
+        the ranges, the same for all explanations.
+        """
         noise = self.errors.noise
         known = noise.log_likelihood if noise.replicated else 0.0
-        return known - 0.5 * float(widenings(self.laws, self.explanation).sum()) + float(logsumexp(self._sizes[1]))
+        known -= 0.5 * float(widenings(self.laws, self.explanation).sum())
+        return known + float(logsumexp(self._sizes[1])) - self.coordinates.log_mass(self.problem.material)
 
     @property
     def optimistic_log_evidence(self) -> float:

@@ -213,8 +213,10 @@ class Fitter:
         return replace(base, problem=self.problem)
 
     def explains(self, fit: Fit) -> bool:
-        """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
-        return fit.misfit_ratio <= self.policy.finer_meshes
+        """Return whether a fit leaves so little that the error of the mesh may be part of it."""
+        law = fit.errors.law
+        within = law is None or law.share <= self.policy.finer_share
+        return within and fit.misfit_ratio <= self.policy.finer_meshes
 
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""

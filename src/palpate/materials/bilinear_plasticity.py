@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from palpate.base.parameters import Parameter
+from palpate.materials.first_guess import Glimpse, Guessed
 from palpate.materials.flow.arithmetic import constant, entry
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
@@ -22,9 +23,23 @@ def linear_hardening(law, at, alpha, pressure):
     return sigma_y + hardening * alpha, hardening, constant(alpha, 0.0)
 
 
+def guess_yield_stress(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return a range of the yield stress (K.L. Johnson, Contact Mechanics, 1985, section 6.3)."""
+    between = (0.2 * glimpse.hardness, 0.9 * glimpse.hardness)
+    return {"yield_stress": Guessed(between, "a fifth to nine tenths of the hardness")}
+
+
+def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return ranges of yield stress and hardening."""
+    hardening = Guessed((0.0, 0.1 * glimpse.modulus), "up to a tenth of the modulus")
+    return guess_yield_stress(glimpse) | {"hardening": hardening}
+
+
 LAW = Law(
     "bilinear_plasticity",
     "bilinear plasticity",
     PLASTIC,
     lambda values: [Yield(linear_hardening, [values[p.name] for p in PLASTIC])],
+    example={"yield_stress": 0.05, "hardening": 0.3},
+    guess=guess,
 )

@@ -14,6 +14,8 @@ from dataclasses import replace
 
 from palpate.base.parameters import Parameter
 from palpate.materials.bilinear_plasticity import HARDENING, YIELD_STRESS
+from palpate.materials.bilinear_plasticity import guess as guess_hardening
+from palpate.materials.first_guess import USUAL, Glimpse, Guessed
 from palpate.materials.flow.arithmetic import constant, entry, where_less
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
@@ -41,9 +43,16 @@ def pressed_hardening(law, at, alpha, pressure):
     )
 
 
+def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return ranges of yield stress, hardening and its rise with pressure."""
+    return guess_hardening(glimpse) | {"pressure_coefficient": Guessed((0.0, 0.3), USUAL)}
+
+
 LAW = Law(
     "drucker_prager",
     "Drucker-Prager",
     FLOW,
     lambda values: [Yield(pressed_hardening, [values[p.name] for p in FLOW], pressed=True)],
+    example={"yield_stress": 0.05, "hardening": 0.2, "pressure_coefficient": 0.15},
+    guess=guess,
 )

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 
 from palpate.base.parameters import Parameter
+from palpate.materials.first_guess import USUAL, Glimpse, Guessed
 from palpate.materials.flow.arithmetic import constant, entry, exponential, where_less
 from palpate.materials.flow.registry import fluidity
 from palpate.materials.law import Creep, Law
@@ -55,9 +56,20 @@ def sinh_of_stress(law, at, q, log_q, pressure):
     return value, scale * slope, scale * curve, none - mu * inverse * value
 
 
+def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return ranges of rate, stress and pressure's share."""
+    return {
+        "reference_rate": Guessed((1e-8, 1e-4), USUAL),
+        "eyring_stress": Guessed((0.02 * glimpse.hardness, 0.1 * glimpse.hardness), "2 to 10 % of the hardness"),
+        "pressure_coefficient": Guessed((0.0, 0.3), USUAL),
+    }
+
+
 LAW = Law(
     "eyring",
     "Eyring flow",
     FLOW,
     lambda values: [Creep(sinh_of_stress, [values[p.name] for p in FLOW], pressed=True)],
+    example={"reference_rate": 1e-8, "eyring_stress": 0.004, "pressure_coefficient": 0.1},
+    guess=guess,
 )

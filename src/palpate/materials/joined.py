@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
+from palpate.materials.first_guess import Glimpse, Guessed
 from palpate.materials.law import Law, Term, Yield
 
 
@@ -39,5 +40,16 @@ def joined(laws: Sequence[Law], key: str = "", title: str = "") -> Law:
             raise InputError(f"{key} has more than one yield stress", remedy="leave one law out", place="model")
         return found
 
-    parts = tuple(law.key for law in laws)
-    return Law(key, title or " with ".join(law.title for law in laws), flow({}), terms, flow, parts)
+    def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+        return {name: found for law in laws for name, found in law.guess(glimpse).items()}
+
+    return Law(
+        key,
+        title or " with ".join(law.title for law in laws),
+        flow({}),
+        terms,
+        flow,
+        parts=tuple(law.key for law in laws),
+        example={name: value for law in laws for name, value in law.example.items()},
+        guess=guess,
+    )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from palpate.base.parameters import Parameter, check_values
+from palpate.materials.first_guess import FirstGuess
 from palpate.materials.flow.registry import number_of
 from palpate.materials.flow.row import CREEP, LINEAR, PLASTIC, VOIGT, block, packed
 
@@ -128,6 +129,10 @@ class Law:
         Maps the names a user gives to the parameters of the flow, for laws with any number of elements.
     parts
         Keys of the laws that it joins; its own by default.
+    example
+        Values of the parameters of the flow, with which the law is tested.
+    guess
+        Ranges of the parameters of the flow for a draft, from what tests show of a solid.
     """
 
     key: str
@@ -136,6 +141,8 @@ class Law:
     terms: Callable[[Mapping[str, float]], Sequence[Term]]
     extend: Callable[[Mapping[str, object]], tuple[Parameter, ...]] | None = None
     parts: tuple[str, ...] = ()
+    example: Mapping[str, float] = field(default_factory=dict)
+    guess: FirstGuess = lambda glimpse: {}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", self.parts or (self.key,))

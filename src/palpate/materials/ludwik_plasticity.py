@@ -8,7 +8,8 @@ Source: P. Ludwik, Elemente der technologischen Mechanik (1909).
 from __future__ import annotations
 
 from palpate.base.parameters import Parameter
-from palpate.materials.bilinear_plasticity import YIELD_STRESS
+from palpate.materials.bilinear_plasticity import YIELD_STRESS, guess_yield_stress
+from palpate.materials.first_guess import USUAL, Glimpse, Guessed
 from palpate.materials.flow.arithmetic import constant, entry, exponential, logarithm, where_less
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
@@ -34,9 +35,19 @@ def power_hardening(law, at, alpha, pressure):
     return sigma_y + rise, n * rise / strain, none
 
 
+def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return ranges of yield stress, strength and exponent."""
+    return guess_yield_stress(glimpse) | {
+        "strength": Guessed((0.05 * glimpse.modulus, 0.3 * glimpse.modulus), "5 to 30 % of the modulus"),
+        "hardening_exponent": Guessed((0.1, 0.8), USUAL),
+    }
+
+
 LAW = Law(
     "ludwik_plasticity",
     "Ludwik plasticity",
     FLOW,
     lambda values: [Yield(power_hardening, [values[p.name] for p in FLOW])],
+    example={"yield_stress": 0.03, "strength": 0.1, "hardening_exponent": 0.3},
+    guess=guess,
 )

@@ -15,6 +15,7 @@ import numpy as np
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
+from palpate.materials.first_guess import USUAL, Glimpse, Guessed
 from palpate.materials.law import Law, LinearVoigt
 
 FLOW = (
@@ -42,4 +43,19 @@ def terms(values: Mapping[str, float]) -> list[LinearVoigt]:
     return [LinearVoigt(time, compliance) for time, compliance in zip(times, compliances, strict=True)]
 
 
-LAW = Law("retardation_spectrum", "retardation spectrum", FLOW, terms)
+def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return ranges of coefficient and exponent."""
+    return {
+        "spectrum_coefficient": Guessed((0.0, 0.1 / glimpse.modulus), "up to a tenth of the elastic compliance"),
+        "spectrum_exponent": Guessed((-0.2, 0.2), USUAL),
+    }
+
+
+LAW = Law(
+    "retardation_spectrum",
+    "retardation spectrum",
+    FLOW,
+    terms,
+    example={"spectrum_coefficient": 0.05, "spectrum_exponent": 0.2, "elements": 5},
+    guess=guess,
+)

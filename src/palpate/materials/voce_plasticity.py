@@ -11,7 +11,8 @@ from collections.abc import Mapping
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
-from palpate.materials.bilinear_plasticity import YIELD_STRESS
+from palpate.materials.bilinear_plasticity import YIELD_STRESS, guess_yield_stress
+from palpate.materials.first_guess import USUAL, Glimpse, Guessed
 from palpate.materials.flow.arithmetic import constant, entry, exponential, where_less
 from palpate.materials.flow.registry import strength
 from palpate.materials.law import Law, Yield
@@ -47,4 +48,20 @@ def terms(values: Mapping[str, float]) -> list[Yield]:
     return [Yield(saturating_hardening, [values[p.name] for p in FLOW])]
 
 
-LAW = Law("voce_plasticity", "Voce plasticity", FLOW, terms)
+def guess(glimpse: Glimpse) -> dict[str, Guessed]:
+    """Return ranges of yield stress, saturation stress and strain."""
+    stress = (0.9 * glimpse.hardness, 1.5 * glimpse.hardness)
+    return guess_yield_stress(glimpse) | {
+        "saturation_stress": Guessed(stress, "0.9 to 1.5 times the hardness"),
+        "saturation_strain": Guessed((0.02, 0.3), USUAL),
+    }
+
+
+LAW = Law(
+    "voce_plasticity",
+    "Voce plasticity",
+    FLOW,
+    terms,
+    example={"yield_stress": 0.03, "saturation_stress": 0.07, "saturation_strain": 0.01},
+    guess=guess,
+)

@@ -100,7 +100,7 @@ def simulate(
     mechanisms
         Effects beside the base model: for each key of `palpate.mechanisms` its parameters by name.
     kinematics
-        ``small`` (the default) or ``large`` strains.
+        ``large`` (the default) or ``small`` strains.
     accuracy
         ``standard`` (the default), ``medium``, ``fine`` or ``finest``.
 

@@ -23,7 +23,7 @@ from palpate.solver.variation import Variation, applied_to_body, applied_to_sign
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from
 from palpate.study.protocol import LOAD, Protocol
-from palpate.study.specification import Specification, axisymmetric_only
+from palpate.study.specification import KINEMATICS, Specification, axisymmetric_only
 
 SECTIONS = {
     "material": "{model: elastic, youngs_modulus: 3.0, poisson_ratio: 0.3}",
@@ -56,7 +56,7 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
         material,
         indenter,
         protocol,
-        kinematics=str(values.get("kinematics", "small")),
+        kinematics=str(values.get("kinematics", KINEMATICS[0])),
         accuracy=str(values.get("accuracy", "standard")),
         mechanisms=checked_mechanisms(values.get("mechanisms")),
     )

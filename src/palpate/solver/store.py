@@ -9,7 +9,6 @@ checksums within it, and simulated again.
 from __future__ import annotations
 
 import functools
-import hashlib
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -20,8 +19,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from palpate.base.checksum import content_checksum
 from palpate.base.classes import classes_of
-from palpate.base.fingerprint import content, fingerprint
+from palpate.base.fingerprint import fingerprint
 from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import InputError, PalpateError
@@ -31,6 +31,7 @@ from palpate.study.specification import Specification, of_equivalent_cone
 
 STORE = Path("results/store")
 FIELDS = {"time", "load", "depth", "quantity", "status", "reason", "parameters", "condition"}
+CURVES = {"response": "quantity", "time_s": "time", "load_mN": "load", "depth_nm": "depth"}  # columns of a table
 AT_ONCE = 2 * LANES  # cells under each condition that are solved together; chosen
 LEAST_CELLS = 24  # of a job: seconds of work, so that its start, two seconds, is not most of it
 JOBS = 400  # of a large study: Snakemake plans thousands of jobs in minutes, hundreds in seconds
@@ -92,7 +93,7 @@ class Batch:
     def identity(self) -> str:
         """Hash of what decides the curves: the cells, and the first one's curve under each condition."""
         first = [self._snapshot(self.cells[0], condition).address for condition in self.conditions]
-        return hashlib.sha256(json.dumps([first, content(self.cells)]).encode()).hexdigest()[:24]
+        return content_checksum([first, self.cells])[:24]
 
     def _snapshot(self, cell: Mapping[str, float], condition: Condition) -> Snapshot:
         return Snapshot(cell, condition.name, of_equivalent_cone(self.study.specification(cell, condition)))
@@ -100,8 +101,8 @@ class Batch:
 
 def address(specification: Specification) -> str:
     """Return the address of the curve that `specification` decides: a hash of all its fields and of the physics."""
-    decides = {"specification": content(specification), "physics": fingerprint("palpate.solver.simulation")}
-    return hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()[:24]
+    decides = {"specification": specification, "physics": fingerprint("palpate.solver.simulation")}
+    return content_checksum(decides)[:24]
 
 
 def plan(study: Study) -> list[Batch]:
@@ -116,17 +117,6 @@ def plan(study: Study) -> list[Batch]:
         for conditions in groups
         for first in range(0, len(cells), size)
     ]
-
-
-def curves_under(study: Study, condition: str, store: Path = STORE) -> list[dict[str, Any]]:
-    """Return the contents of a study's snapshots under one condition; what is missing is computed with its batch."""
-    contents: list[dict[str, Any]] = []
-    for batch in plan(study):
-        own = [snapshot for snapshot in batch.snapshots if snapshot.condition == condition]
-        if None in (_intact(place(snapshot.address, store)) for snapshot in own):
-            computed(batch.snapshots, store)
-        contents += [read(place(snapshot.address, store)) | {"parameters": dict(snapshot.cell)} for snapshot in own]
-    return contents
 
 
 def conditions_by_shape(study: Study) -> list[list[Condition]]:
@@ -252,12 +242,24 @@ def _intact(path: Path) -> dict[str, Any] | None:
 
 
 def table(snapshots: Sequence[Snapshot], contents: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Return a table of snapshots: address, condition, status, reason and parameters."""
+    """Return a table of snapshots: address, condition, status, reason, parameters and the curves, see `CURVES`."""
     return pd.DataFrame(
-        {"address": snapshot.address, "condition": snapshot.condition, "status": content["status"],
-         "reason": content["reason"], **snapshot.cell}
-        for snapshot, content in zip(snapshots, contents, strict=True)
+        {"address": snapshot.address, "condition": snapshot.condition, "status": found["status"],
+         "reason": found["reason"], **snapshot.cell, **{column: found[key] for column, key in CURVES.items()}}
+        for snapshot, found in zip(snapshots, contents, strict=True)
     )  # fmt: skip
+
+
+def curves_under(files: Iterable[str | Path], condition: str) -> list[dict[str, Any]]:
+    """Return the contents of the snapshots under one condition, as `computed` does, from files that hold a `table`."""
+    found = pd.concat(map(pd.read_parquet, files), ignore_index=True)
+    rows = found[found["condition"] == condition].to_dict("records")
+    names = [name for name in found if name not in ("address", "condition", "status", "reason", *CURVES)]
+    return [
+        {"status": row["status"], "reason": row["reason"], "parameters": {name: row[name] for name in names},
+         **{key: row[column] for column, key in CURVES.items()}}
+        for row in rows
+    ]  # fmt: skip
 
 
 def matrix(contents: Iterable[Mapping[str, Any]], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:

@@ -15,7 +15,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.specimen import Specimen, elastic_substrate, under_tip
 
 ACCURACIES = ("standard", "medium", "fine", "finest")
-KINEMATICS = ("small", "large")
+KINEMATICS = ("large", "small")  # the first one where none is given
 
 
 def finer(accuracy: str, degrees: int = 1) -> str:
@@ -36,7 +36,7 @@ class Specification:
     indenter, protocol
         What presses, and how.
     kinematics
-        ``small`` or ``large`` strains.
+        ``large`` strains, unless ``small`` ones are asked for.
     accuracy
         ``standard``, ``medium``, ``fine`` or ``finest``.
     mechanisms
@@ -58,7 +58,7 @@ class Specification:
     parameters: Mapping[str, float]
     indenter: Indenter
     protocol: Protocol
-    kinematics: str = "small"
+    kinematics: str = KINEMATICS[0]
     accuracy: str = "standard"
     mechanisms: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     film_thickness: float = math.inf

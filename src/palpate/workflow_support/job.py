@@ -64,13 +64,15 @@ def boolean(key: str, value: Any) -> bool:
 
 
 @contextmanager
-def logged(path: str | Path, results: Iterable[str] = ()) -> Iterator[None]:
+def logged(path: str | Path, results: Iterable[str] = (), rule: str = "") -> Iterator[None]:
     """Do a job with an empty log at `path`, and write to its end how long it took or why it failed.
 
     Parameters
     ----------
     results
         Files that it makes, of which checksums are kept, see `palpate.workflow_support.result_files`.
+    rule
+        The name of its rule.
 
     Raises
     ------
@@ -82,7 +84,7 @@ def logged(path: str | Path, results: Iterable[str] = ()) -> Iterator[None]:
         unseal(log)
         log.write_text("", encoding="utf-8")
         yield
-        seal(log, results)
+        seal(log, results, rule)
     except (PalpateError, OSError, MemoryError) as error:
         line = f"palpate: {error if isinstance(error, PalpateError) else of_system(error)}"
         with contextlib.suppress(OSError):  # the disk may be full

@@ -9,11 +9,12 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from palpate.base.checksum import checksum
 from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
 from palpate.inference.study_recordings import with_stiffness
 from palpate.recordings.recording_file import recording_files
-from palpate.workflow_support.result_files import checksum, read_json
+from palpate.workflow_support.result_files import read_json
 from palpate.workflow_support.run_records import git_commit
 
 NAME = "report.manifest.json"

@@ -1,47 +1,29 @@
 """Results as JSON files, and the checksums by which a result that was altered is recognised.
 
-Each job leaves the checksums of its results beside its log, in a file that ``sha256sum --check`` reads. A result that
-is no longer as its job made it is moved before the next execution, so that it is missing and made again. Where no job
-has begun to make it when the execution ends, as after a dry run, it is moved back.
+Each job leaves the checksums of its results beside its log, in a file that ``sha256sum --check`` reads, under the name
+of its rule. While a result is no longer as its job made it, no execution begins that would use it.
 """
 
 from __future__ import annotations
 
-import hashlib
+import argparse
 import json
-import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain, count
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from palpate.base.checksum import checksum
 from palpate.base.whole_file import written_whole
-from palpate.errors import PalpateError
+from palpate.errors import InputError, PalpateError
 
-SEAL, ASIDE = ".sha256", ".altered"
+SEAL, RULE = ".sha256", "# "  # ending of the file; what the line with the name of the rule begins with
 
 
-@dataclass(frozen=True)
-class Altered:
-    """A result that is no longer as its job made it.
-
-    Parameters
-    ----------
-    file
-        Where the job wrote it.
-    sealed
-        The checksums of the results of this job.
-    kept
-        Where it is moved.
-    """
+class Altered(NamedTuple):
+    """A result that is no longer as a job of the rule made it."""
 
     file: Path
-    sealed: Path
-    kept: Path
-
-    def __str__(self) -> str:
-        return f"{self.file} is not as it was made; when it is made again, it is kept as {self.kept.name}"
+    rule: str
 
 
 def write_json(path: str | Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
@@ -66,16 +48,10 @@ def read_json(path: str | Path) -> Any:
         raise PalpateError(f"{path} is damaged ({error}); delete it and run the study again") from error
 
 
-def checksum(file: Path) -> str:
-    """Return the SHA-256 of a file."""
-    with file.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def seal(log: str | Path, results: Iterable[str | Path]) -> None:
-    """Write the checksums of a job's results beside its log."""
+def seal(log: str | Path, results: Iterable[str | Path], rule: str = "") -> None:
+    """Write the checksums of the results of a job of a rule beside its log."""
     lines = [f"{checksum(file)}  {file}\n" for file in map(Path, results) if file.is_file()]
-    Path(log).with_suffix(SEAL).write_text("".join(lines), encoding="utf-8")
+    Path(log).with_suffix(SEAL).write_text("".join([f"{RULE}{rule}\n", *lines]), encoding="utf-8")
 
 
 def unseal(log: str | Path) -> None:
@@ -83,48 +59,65 @@ def unseal(log: str | Path) -> None:
     Path(log).with_suffix(SEAL).unlink(missing_ok=True)
 
 
-def altered(logs: Path) -> Iterator[Altered]:
-    """Yield the results that are no longer as the jobs whose logs lie in a folder made them; missing ones are not.
+def altered(logs: Path) -> list[Altered]:
+    """Return the results that are no longer as the jobs whose logs lie in a folder made them; missing ones are not.
 
     Of a result that two logs name, as where an earlier version named them otherwise, the later one counts.
     """
-    made: dict[str, tuple[str, Path]] = {}
+    made: dict[str, tuple[str, str]] = {}
     for sealed in sorted(logs.rglob(f"*{SEAL}"), key=lambda file: (file.stat().st_mtime_ns, file)):
+        rule = ""
         for line in sealed.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith(RULE):
+                rule = line.removeprefix(RULE)
+                continue
             known, _, name = line.partition("  ")
-            made[name] = known, sealed
-    for name, (known, sealed) in sorted(made.items()):
-        file = Path(name)
-        if name and file.is_relative_to(logs.parent) and file.is_file() and checksum(file) != known:
-            yield Altered(file, sealed, _free(file.with_name(file.name + ASIDE)))
+            made[name] = known, rule
+    return [
+        Altered(file, rule)
+        for file, (known, rule) in sorted((Path(name), entry) for name, entry in made.items() if name)
+        if file.is_relative_to(logs.parent) and file.is_file() and checksum(file) != known
+    ]
 
 
-def _free(path: Path) -> Path:
-    """Return a path at which nothing is: `path`, or with a number that follows it."""
-    numbered = (path.with_name(f"{path.name}_{number}") for number in count(2))
-    return next(place for place in chain([path], numbered) if not os.path.lexists(place))
-
-
-def move_aside(results: Iterable[Altered]) -> None:
-    """Move results that were altered, so that they are missing and made again."""
-    for result in results:
-        result.file.replace(result.kept)
-
-
-def move_back(results: Iterable[Altered], folder: Path) -> None:
-    """Move results back that were moved aside, but for those that a job has begun to make again: it unseals them first.
+def refuse_altered(logs: Path, arguments: Sequence[str] = ()) -> None:
+    """Refuse results that were altered, unless they are made again.
 
     Parameters
     ----------
-    folder
-        From which paths count; the working folder may be another by now.
+    logs
+        Folder of the logs.
+    arguments
+        Of Snakemake, whose ``--forcerun`` names rules or files to make again, and ``--forceall`` all.
+
+    Raises
+    ------
+    InputError
+        With the files, and the rules that make them.
     """
-    for result in results:
-        file = folder / result.file
-        if (folder / result.sealed).is_file() and not os.path.lexists(file):
-            (folder / result.kept).replace(file)
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("-R", "--forcerun", nargs="*", default=[])
+    parser.add_argument("-F", "--forceall", action="store_true")
+    given, _ = parser.parse_known_args(arguments)
+    found = [] if given.forceall else [e for e in altered(logs) if not {e.rule, str(e.file)} & set(given.forcerun)]
+    if found:
+        rules = " ".join(sorted({each.rule or str(each.file) for each in found}))
+        raise InputError(
+            "is not as its job made it" if len(found) == 1 else "are not as their jobs made them",
+            remedy=f"delete {'it' if len(found) == 1 else 'them'}, or make all again with --forcerun {rules}",
+            file=", ".join(str(each.file) for each in found),
+        )
 
 
 def estimate_of(file: str | Path) -> dict[str, float]:
-    """Return the estimate that the file of a calibration holds, by parameter."""
-    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}
+    """Return the estimate that the file of a calibration holds, by parameter.
+
+    Raises
+    ------
+    PalpateError
+        When it was written before the discrepancy of the law was estimated: its estimate is another one.
+    """
+    found = read_json(file)
+    if "discrepancy" not in found:
+        raise PalpateError(f"{file} was written by an older version of palpate; delete it and run the study again")
+    return {name: row["estimate"] for name, row in found["parameters"].items()}

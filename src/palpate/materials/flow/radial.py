@@ -92,6 +92,7 @@ def compliance(q, log_q, pressure, law, step):
     total = entry(step, COMPLIANCE)
     slope, curve, push = constant(total, 0.0), constant(total, 0.0), constant(total, 0.0)
     at, k, end = FIRST, FACTORS, whole(law, ACTIVE)
+    # Term after term of the row, up to the last one whose strain depends on the stress alone.
     while at < end:
         value, first, second, by_pressure = fluidity_of(
             whole(law, at + FUNCTION), law, at + NUMBERS, q, log_q, pressure
@@ -132,6 +133,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     q, log_q, order, push
         The solution [GPa], its logarithm, d ln q / d ln rho, and dq/dp at constant rho; q is NaN where it is not found.
     """
+    # Along the tangent at the last solution, with d ln rho = 2 (rho - last) / (rho + last); without one, as if elastic.
     further = log_q + order * 2.0 * (rho - last) / (rho + last)
     log_q = where_less(log_q, constant(rho, UNKNOWN), rough_log(rho) - rough_log(entry(step, COMPLIANCE)), further)
     q, order, push, change = rho, rho, rho, rho
@@ -141,24 +143,29 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     for _ in range(ITERATIONS):
         q = exponential(log_q)
         total, slope, curve, by_pressure = compliance(q, log_q, pressure, law, step)
+        # V = total q, so d ln V / d ln q = growth / total; bend is the same of growth.
         growth = total + slope
         bend = growth + slope + curve
         value = total * q
         both = value + rho
         inverse = 1.0 / (both * total * growth)
+        # z = (V - rho) / (V + rho), times d ln q / d ln V: the change is ln(V / rho) = 2 (z + z^3 / 3) over that slope.
         excess = (value - rho) * inverse * total * growth
         order = both * inverse * total * total
         push = by_pressure / growth
         change = (2.0 + (2.0 / 3.0) * excess * excess) * excess * order
+        # Halley's term, left out where it is not small against the change.
         bent = 0.5 * change * (both * inverse * total * bend - both * inverse * growth * growth)
         change = change + where_less(magnitude(bent), constant(bent, 0.05), change * bent, zero)
         order = order + 2.0 * bent * order
+        # What is found is the stress after this change, with exp(-change) as its series; lanes found before stay.
         found = where_less(zero, open, q * (1.0 - change * (1.0 - change * (0.5 - change * (1.0 / 6.0)))), found)
         found_log = where_less(zero, open, log_q - change, found_log)
         found_order, found_push = where_less(zero, open, order, found_order), where_less(zero, open, push, found_push)
         open = where_less(constant(rho, TOLERANCE), magnitude(change), open, zero)
         if greatest(open) == 0.0:
             break
+        # Some lane is far away: the whole logarithm, a step of limited length, and halving where it leaves its bracket.
         if greatest(where_less(zero, open, magnitude(excess), zero)) > FAR:
             away = where_less(constant(rho, FAR), magnitude(excess), open, zero)
             far = logarithm(value / rho) * both * inverse * total * total
@@ -172,6 +179,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
         log_q = log_q - change
     found = where_less(zero, open, constant(rho, math.nan), found)
     q, log_q, order, push = found, found_log, found_order, zero - found_push * found
+    # The stress without plastic flow is the answer unless it exceeds the yield stress in some lane.
     if whole(law, YIELD) > 0:
         least, _, _ = threshold(alpha, pressure, law, step)
         if greatest(q - least) > 0.0:
@@ -188,6 +196,7 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
     share = where_less(entry(law, SHARE), constant(rho, 1e-12), constant(rho, 1e-12), entry(law, SHARE))
     share = (0.5 * ROOT3) * share
     floor = 1e-17 * rho
+    # The slip is largest where all strain beyond the yield point is plastic without hardening; the search begins there.
     slip = where_less(least, q, rho - total * least, rho)
     slip = where_less(slip, floor, floor, slip) / share
     highest = logarithm(slip)
@@ -200,6 +209,7 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
         stress, harder, by_stress = threshold(alpha + slip, pressure, law, step)
         total, slope, _, by_push = compliance(stress, logarithm(stress), pressure, law, step)
         excess = total * stress + share * slip - rho
+        # Newton's method for V(q) + (sqrt(3)/2) dalpha = rho at q = sigma(alpha + dalpha) / sqrt(3), by dalpha.
         change = excess / ((total + slope) * harder + share)
         closing = where_less(magnitude(excess) / rho, constant(rho, SQUARED), harder * change, nothing)
         new, growth = where_less(nothing, open, stress - closing, new), where_less(nothing, open, total + slope, growth)
@@ -220,6 +230,7 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
             log_slip = middle
     none = where_less(deepest, lowest, nothing, open)  # one in lanes whose slip is below all that counts
     least, open = where_less(nothing, none, q, least), where_less(nothing, none, nothing, open)
+    # What lanes that flow have in place of the derivatives without flow; the others keep theirs.
     limit = (HARDENING / ROOT3) * entry(law, SHEAR)
     hardening = where_less(hardening, limit, limit, hardening)
     slope = growth * hardening + share

@@ -80,7 +80,7 @@ def deck(specification: Specification, resolution: Resolution | None = None) -> 
     if specification.kinematics == "large":
         raise InputError(
             "CalculiX' built-in laws are neo-Hookean at large strains, not palpate's",
-            remedy="use small, or --format abaqus",
+            remedy="write kinematics: small, or use --format abaqus",
             place="kinematics",
         )
     material = material_cards(specification)

@@ -53,7 +53,7 @@ def deck(specification: Specification, depth: np.ndarray, mesh: QuadraticMesh) -
     if "yield_stress" not in specification.parameters or specification.kinematics != "large":
         raise InputError(
             "CalculiX' laws agree with palpate's at large strains where the body yields alone",
-            remedy="give it a yield_stress, or use small strains",
+            remedy="give it a yield_stress, or write kinematics: small",
             place="kinematics",
         )
     protocol = specification.protocol

@@ -109,6 +109,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
         law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
         pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
         dilatation = body.dilatation[e]
+        # Mean dilatation of the element: its four Gauss points share one pressure, or isochoric flow would lock it.
         theta = splat(0.0)
         for i in range(8):
             value = load(displacement, body.unknowns[e, i])
@@ -130,6 +131,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
                 ett = ett + gradients[2, a] * radial
                 erz = erz + (gradients[1, a] * radial + gradients[0, a] * vertical)
             mean = (err + ezz + ett) * (1.0 / 3.0)
+            # R of the radial equation: the strain deviator less what the history fixes; r3 is half of the shear angle.
             r0 = err - mean - load(points.past, 4 * p)
             r1 = ezz - mean - load(points.past, 4 * p + 1)
             r2 = ett - mean - load(points.past, 4 * p + 2)
@@ -137,6 +139,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
+            # A law that does not yield has no alpha to load; any vector serves in its place.
             strained = load(points.alpha, p) if yielding else rho
             q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
@@ -151,6 +154,7 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             store(points.direction, 4 * p + 1, r1)
             store(points.direction, 4 * p + 2, r2)
             store(points.direction, 4 * p + 3, r3)
+            # s = (q/rho) R, whose work with the gradients is the force of each node.
             q = q * volumes[g]
             r0, r1, r2, r3 = r0 * q, r1 * q, r2 * q, r3 * q
             for a in range(4):
@@ -178,6 +182,7 @@ def stiffness(body, points, laws, band):
             gradients, p = body.gradients[e, g], 4 * e + g
             ratio = load(points.secant, p)
             store(secant, g, ratio)
+            # ds = (q/rho) (dR + (order - 1) direction (direction : dR) / 2): fixed by the mesh, and of rank one.
             excess = (0.5 * body.volumes[e, g]) * ratio * (load(points.order, p) - 1.0)
             r0, r1 = load(points.direction, 4 * p), load(points.direction, 4 * p + 1)
             r2, r3 = load(points.direction, 4 * p + 2), load(points.direction, 4 * p + 3)
@@ -188,6 +193,7 @@ def stiffness(body, points, laws, band):
                 store(v, 8 * a + 4 + g, vertical)
                 store(w, 8 * a + g, radial * excess)
                 store(w, 8 * a + 4 + g, vertical * excess)
+        # The pressure that slows the flow couples stress to dilatation: half of it and its transpose are added below.
         if pressed:
             for i in range(8):
                 value = splat(0.0)

@@ -196,10 +196,13 @@ class March:
         found : ndarray of bool, shape (LANES,)
             The lanes that found equilibrium all the way.
         """
+        # `start` is where each lane has arrived, `trial` where a part of the step leads, `states` the answer. Lanes
+        # that wait make a step whose outcome is not taken.
         trial, time = deepcopy(start), begin.copy()
         length, shortest = (end - begin) / parts, (end - begin) / 2.0**self.halvings
         going, still = lanes.copy(), np.zeros_like(start.unknowns)
         while going.any():
+            # The last part may be half a part longer, so that no sliver is left.
             target = np.where(time + 1.5 * length > end, end, time + length)
             found = self.step(trial, np.where(going, time, begin), np.where(going, target, end), still, going)
             lost = going & ~found

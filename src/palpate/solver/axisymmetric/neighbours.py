@@ -101,6 +101,7 @@ class Neighbours:
                 trial = arrived.trial._replace(reaction=np.zeros(LANES))
                 refactor(self.host.setup, arrived.material, trial, self.host.system)
             states = self.states[k] if lanes.all() else deepcopy(self.states[k])
+            # The guess: the neighbour stays as far from its host as it was at the start of the step.
             away, deeper = states.displacement - start.displacement, states.depth - start.depth
             wider = states.contact.area - start.contact.area
             own_begin, own_end = self.times(k, begin), self.times(k, end)
@@ -110,6 +111,7 @@ class Neighbours:
             times = CORRECTIONS_WITH_FRICTION if march.setup.contact.friction.any() else CORRECTIONS
             prescribed = march.prescribed(own_end)
             missed = correct(march.setup, states.material, states.trial, prescribed, march.system, lanes, times)
+            # The host's factor serves all neighbours until one that is lost overwrites it; the next factors anew.
             lost = lanes & (missed > LARGEST_MISS)
             factored = not lost.any()
             if not factored:

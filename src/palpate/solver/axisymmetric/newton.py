@@ -100,6 +100,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
     solved = np.empty((4, *points.log_q.shape))
     for iteration in range(ITERATIONS):
         patient = iteration < PATIENT
+        # Fresh depends on the number of the iteration alone: lanes are factored together, whatever each of them needs.
         fresh = not patient or iteration % REUSES == 0
         if rough:
             turn_back(setup, trial, shares_of(setup, trial), slips, changed, done)
@@ -111,9 +112,12 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
                 continue
             excess = residual.excess[lane]
             work[lane] += direction.depth[lane] * excess / max(prescribed.force_weight[lane], STIFFEST)
+            # Each lane does one of four things: it leaves or steps back, it is in equilibrium, it searches on along its
+            # direction, or it needs a new direction.
             push = state.pressure[lane] * state.area[lane]
             calm = max(norm[lane], abs(excess)) < CALM * push
             residual.limit[lane] = LARGEST_CHANGE * state.area[lane] if calm else 0.0
+            # How far the area that the pressure follows lies from that of the nodes that touch.
             unlike = abs(coupling.area[lane] / state.area[lane] - 1.0)
             broken = not np.isfinite(norm[lane] + excess + work[lane])
             if broken and not (searching[lane] and fraction[lane] > SHORTEST):
@@ -131,6 +135,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
                 )
             ):
                 tries[lane] += 1
+                # The secant of the work along the direction, no shorter than a tenth.
                 shorter = fraction[lane] * max(0.1, direction.work[lane] / (direction.work[lane] - work[lane]))
                 distance[lane] = shorter - fraction[lane]
                 fraction[lane] = shorter
@@ -146,6 +151,8 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
             factor(setup, material, trial, system, coupling, geometric, residual.forces, forward)
         elif np.any(solving):
             solve_for(setup.body, system, residual.forces, forward)
+        # The work is NaN where the matrix is not positive definite: those lanes solve again without its geometric part,
+        # and the factor of the others is put back.
         direct(system, prescribed, residual, forward, solving, direction)
         for lane in range(LANES):
             indefinite[lane] = solving[lane] and not math.isfinite(direction.work[lane])
@@ -160,6 +167,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
             distance[lane] = 0.0
             if solving[lane]:
                 searching[lane], fraction[lane], tries[lane], distance[lane] = True, 1.0, 0, 1.0
+                # The area moves by a factor, so that it stays positive.
                 direction.area[lane] /= state.area[lane]
         if np.any(solving):
             shorten(direction, farthest, solving)
@@ -341,6 +349,7 @@ def direct(system, prescribed, residual, forward, solving, direction):
     size = forward.shape[0] - 1
     row, widening, sideways, swelling = system.row, system.widening, system.sideways, system.swelling
     zero = splat(0.0)
+    # Of load and area: what the forces ask for (ahead), and the change by a unit of depth (aside) and of area (spread).
     load_ahead, load_aside, load_spread, area_ahead, area_aside, area_spread = zero, zero, zero, zero, zero, zero
     for i in range(size):
         r, v, f, s, w = load(row, i), load(widening, i), load(forward, i), load(sideways, i), load(swelling, i)
@@ -351,6 +360,7 @@ def direct(system, prescribed, residual, forward, solving, direction):
     yielding = splat(1.0) + area_spread
     yielding = where_less(yielding, splat(LEAST_RESPONSE), splat(LEAST_RESPONSE), yielding)
     by_area, by_depth = load(system.growth, 0) - load_spread, load(widening, size) - area_aside
+    # Schur complement of the depth, without and with the area that follows it; the former where the latter is negative.
     alone = weight * (load(system.corner, 0) - load_aside) + load(prescribed.depth_weight, 0)
     together = alone + weight * by_area * by_depth / yielding
     together = where_less(zero, together, together, alone)

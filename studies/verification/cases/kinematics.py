@@ -9,8 +9,8 @@ import numpy as np
 
 from palpate.study.protocol import Protocol, trapezoid
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth
-from palpate.verification.reference_materials import ALUMINIUM, BURGERS, CONE
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth
+from studies.verification.reference_materials import ALUMINIUM, BURGERS, CONE
 
 WHERE = ("peak", "1/15 of the load")
 WAYS = (("small", 0.0), ("small", 0.25), ("large", 0.0), ("large", 0.25))
@@ -137,4 +137,4 @@ def _differences(test: Test, way: tuple[str, float], curves: Mapping[tuple[str, 
     ]
 
 
-CASE = Verification("kinematics", "Small against large strains, without and with friction", run)
+CASES = (Verification("kinematics", "Small against large strains, without and with friction", run),)

@@ -3,9 +3,9 @@
 input: report (HTML), result (JSON).
 """
 
-from palpate.verification.runner import refuse_failed
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import read_json
+from studies.verification.runner import refuse_failed
 
 
 def main(snakemake):

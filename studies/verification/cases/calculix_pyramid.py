@@ -21,10 +21,10 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from palpate.study.specimen import Specimen
-from palpate.verification.calculix import NOT_RUN, printed
-from palpate.verification.case import Outcome, Row, Settings, Verification, depth
-from palpate.verification.pyramid_checks import PYRAMID
-from palpate.verification.reference_materials import HOOKE
+from studies.verification.calculix import NOT_RUN, printed
+from studies.verification.case import Outcome, Row, Settings, Verification, depth
+from studies.verification.cases.pyramid_checks import PYRAMID
+from studies.verification.reference_materials import HOOKE
 
 PRINTED = re.compile(r"time\s+(\S+)\s+\S+\s+\S+\s+(\S+)")
 LATER = Protocol(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.array([0.5, 1.0]))
@@ -94,7 +94,7 @@ def run(settings: Settings) -> Outcome:
     note = f"single increments of CalculiX' differ by {100 * scatter:.1f} %"
     rows = []
     for accuracy, allowed in WITHIN.items():
-        found = depth(Specification("elastic", HOOKE, PYRAMID, LATER, accuracy=accuracy))[-1]
+        found = depth(Specification("elastic", HOOKE, PYRAMID, LATER, accuracy=accuracy, kinematics="small"))[-1]
         rows.append(Row(f"pyramid, elastic: depth, {accuracy} [nm]", theirs, float(found), allowed, note))
     rows.append(_held_back(settings.calculix, guess))
     return Outcome(rows)
@@ -104,7 +104,7 @@ def _held_back(program: Path, guess: float) -> Row:
     """Compare what friction does to the depth; errors that both runs of a program share drop out."""
     tips = PYRAMID, replace(PYRAMID, friction=FRICTION)
     smooth, rough = (depth_at_one(program, tip, HOOKE, guess, ROUGH_MESH, ROUGH_INCREMENTS)[0] for tip in tips)
-    curves = [depth(Specification("elastic", HOOKE, tip, SMOOTHLY)) for tip in tips]
+    curves = [depth(Specification("elastic", HOOKE, tip, SMOOTHLY, kinematics="small")) for tip in tips]
     later = SMOOTHLY.sample_load >= COUNTS_FROM**2
     return Row(
         f"pyramid, elastic: depth with friction {FRICTION:g} over that without, standard",
@@ -115,4 +115,4 @@ def _held_back(program: Path, guess: float) -> Row:
     )
 
 
-CASE = Verification("calculix_pyramid", "Berkovich pyramid: CalculiX", run)
+CASES = (Verification("calculix_pyramid", "Berkovich pyramid: CalculiX", run),)

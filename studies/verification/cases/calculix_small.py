@@ -16,7 +16,7 @@ import numpy as np
 from palpate.output.export.quadratic import RESOLUTIONS
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.calculix import (
+from studies.verification.calculix import (
     RULE,
     STEPS,
     compared,
@@ -25,8 +25,8 @@ from palpate.verification.calculix import (
     run_deck,
     with_and_without_friction,
 )
-from palpate.verification.case import Plot, Row
-from palpate.verification.reference_materials import ALUMINIUM, CONE, HOOKE, STEADY_CREEP
+from studies.verification.case import Plot, Row
+from studies.verification.reference_materials import ALUMINIUM, CONE, HOOKE, STEADY_CREEP
 
 CREEP_POINTS = 25  # samples in loading, and as many in unloading; then twice as many for the error of the step
 PLASTIC_KNOTS = 4.9 * np.array([0.0, 0.04, 0.1, 0.25, 0.5, 1.0, 0.05])  # mN
@@ -35,7 +35,7 @@ PLASTIC_POINTS = 6  # from one of them to the next
 
 def under_cone(law: str, values: Mapping[str, float], friction: float, protocol: Protocol) -> Specification:
     """Return the test of a law with some `values`, under the cone with this `friction` and a `protocol`."""
-    return Specification(law, values, replace(CONE, friction=friction), protocol, accuracy="fine")
+    return Specification(law, values, replace(CONE, friction=friction), protocol, accuracy="fine", kinematics="small")
 
 
 def ramps(duration: float, points: int) -> Protocol:
@@ -91,8 +91,10 @@ def _extrapolated(
     return test, *refined(test, long, short, fine, ripples)
 
 
-ELASTIC = with_and_without_friction("calculix_elastic", "CalculiX: elasticity", compare_elastic, [RULE])
-CREEP = with_and_without_friction("calculix_creep", "CalculiX: steady creep", compare_creep, [RULE, STEPS])
-PLASTIC = with_and_without_friction(
-    "calculix_plastic", "CalculiX: aluminium at small strains", compare_plastic, [RULE, STEPS]
+CASES = (
+    with_and_without_friction("calculix_elastic", "CalculiX: elasticity", compare_elastic, [RULE]),
+    with_and_without_friction("calculix_creep", "CalculiX: steady creep", compare_creep, [RULE, STEPS]),
+    with_and_without_friction(
+        "calculix_plastic", "CalculiX: aluminium at small strains", compare_plastic, [RULE, STEPS]
+    ),
 )

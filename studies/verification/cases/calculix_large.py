@@ -18,7 +18,7 @@ from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.calculix import (
+from studies.verification.calculix import (
     PRINTED,
     RULE,
     STEPS,
@@ -28,8 +28,8 @@ from palpate.verification.calculix import (
     table,
     with_and_without_friction,
 )
-from palpate.verification.case import Plot, Row
-from palpate.verification.reference_materials import ALUMINIUM, CONE
+from studies.verification.case import Plot, Row
+from studies.verification.reference_materials import ALUMINIUM, CONE
 
 FORCE = re.compile(r"FIXED and time\s+\S+\s+\S+\s+(\S+)\s+\S+")
 WEDGES = 180  # CalculiX takes a body of revolution for a wedge of two degrees
@@ -108,4 +108,4 @@ def compare(program: Path, friction: float) -> tuple[list[Row], Plot]:
     return compared("aluminium, large strains", test, *theirs)
 
 
-CASE = with_and_without_friction("calculix_large", "CalculiX: aluminium at large strains", compare, [RULE, STEPS])
+CASES = (with_and_without_friction("calculix_large", "CalculiX: aluminium at large strains", compare, [RULE, STEPS]),)

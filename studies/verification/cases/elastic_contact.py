@@ -8,8 +8,8 @@ from palpate.analytic import hertz, sneddon
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
-from palpate.verification.reference_materials import HOOKE
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, worst
+from studies.verification.reference_materials import HOOKE
 
 SHALLOW = 89.0  # degrees: the solution neglects what the slope of a steeper cone does
 RADIUS = 1e5  # nm
@@ -25,12 +25,18 @@ def run_sneddon(settings: Settings) -> Outcome:
     angles = np.array([70.3, 80.0, SHALLOW]) if settings.quick else np.array([65.0, 70.3, 75.0, 80.0, 85.0, SHALLOW])
     protocol, rows, ratios = _loading(1e-3, 10), [], []
     for accuracy, allowed in WITHIN.items():
-        found = depth(Specification("elastic", HOOKE, Indenter("cone", SHALLOW), protocol, accuracy=accuracy))
+        found = depth(
+            Specification("elastic", HOOKE, Indenter("cone", SHALLOW), protocol, accuracy=accuracy, kinematics="small")
+        )
         exact = sneddon.depth(protocol.sample_load, **HOOKE, half_angle=SHALLOW)
         quantity = f"depth under a cone of {SHALLOW:g} degrees, worst sample from 10 % of the load on, {accuracy} [nm]"
         rows.append(worst(quantity, exact, found, allowed))
     for angle in angles:
-        found = depth(Specification("elastic", HOOKE, Indenter("cone", float(angle)), protocol, accuracy="fine"))
+        found = depth(
+            Specification(
+                "elastic", HOOKE, Indenter("cone", float(angle)), protocol, accuracy="fine", kinematics="small"
+            )
+        )
         ratios.append(float(np.mean(found / sneddon.depth(protocol.sample_load, **HOOKE, half_angle=float(angle)))))
     sharp = sneddon.depth(1e-3, **HOOKE, half_angle=70.3)
     k = int(np.argmin(np.abs(angles - 70.3)))
@@ -54,7 +60,11 @@ def run_hertz(settings: Settings) -> Outcome:
     exact = hertz.depth(protocol.sample_load, **HOOKE, radius=RADIUS)
     rows, deviations = [], []
     for accuracy, allowed in WITHIN.items():
-        found = depth(Specification("elastic", HOOKE, Indenter("sphere", 0.0, RADIUS), protocol, accuracy=accuracy))
+        found = depth(
+            Specification(
+                "elastic", HOOKE, Indenter("sphere", 0.0, RADIUS), protocol, accuracy=accuracy, kinematics="small"
+            )
+        )
         later = protocol.sample_load >= 0.1 * protocol.max_load
         quantity = f"depth under a sphere, worst sample from 10 % of the load on, {accuracy} [nm]"
         rows.append(worst(quantity, exact[later], found[later], allowed))
@@ -73,5 +83,7 @@ def run_hertz(settings: Settings) -> Outcome:
     return Outcome(rows, [plot])
 
 
-SNEDDON = Verification("sneddon", "Elastic half-space under a cone: Sneddon", run_sneddon)
-HERTZ = Verification("hertz", "Elastic half-space under a sphere: Hertz", run_hertz)
+CASES = (
+    Verification("sneddon", "Elastic half-space under a cone: Sneddon", run_sneddon),
+    Verification("hertz", "Elastic half-space under a sphere: Hertz", run_hertz),
+)

@@ -5,9 +5,9 @@ input: reference curves (CSV), if there are any. output: report (HTML), result (
 
 from pathlib import Path
 
-from palpate.verification import runner
-from palpate.verification.case import Settings
 from palpate.workflow_support import job
+from studies.verification import runner
+from studies.verification.case import Settings
 
 
 def main(snakemake):

@@ -20,8 +20,8 @@ from palpate.solver.axisymmetric.march_cases import indent_batch
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.protocol import trapezoid
 from palpate.study.specimen import Specimen
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification
-from palpate.verification.reference_materials import BURGERS, CONE
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification
+from studies.verification.reference_materials import BURGERS, CONE
 
 STANDARD_WITHIN = 0.005  # of the depth
 ORDER_WITHIN = 0.2  # of the order
@@ -77,4 +77,4 @@ def run(settings: Settings) -> Outcome:
     return Outcome(rows, [plot], [note])
 
 
-CASE = Verification("convergence", "Convergence of the solver", run)
+CASES = (Verification("convergence", "Convergence of the solver", run),)

@@ -21,7 +21,7 @@ from palpate.output.export.calculix_deck import deck
 from palpate.output.export.quadratic import quadratic_mesh
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.study.specification import Specification
-from palpate.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, not_run, worst
+from studies.verification.case import Outcome, Plot, PlottedSeries, Row, Settings, Verification, depth, not_run, worst
 
 TIME_LIMIT = 1800.0  # s
 WITHIN, LOADED_FROM = 0.01, 0.15  # of the depth; and of the largest load, from where on depths count

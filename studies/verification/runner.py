@@ -15,36 +15,10 @@ import pandas as pd
 from palpate import __version__
 from palpate.errors import PalpateError
 from palpate.output import html_report
-from palpate.output.figures import verification_figure as figures
-from palpate.verification import (
-    calculix_large,
-    calculix_pyramid,
-    calculix_small,
-    elastic_contact,
-    kinematics,
-    mesh_convergence,
-    pyramid_checks,
-    reference_curves,
-    self_similarity,
-    viscoelastic_contact,
-)
-from palpate.verification.case import Outcome, Row, Settings, Verification, not_run
+from studies.verification import figure
+from studies.verification.case import Outcome, Row, Settings, Verification, not_run
+from studies.verification.cases import CASES
 
-CASES = (
-    elastic_contact.SNEDDON,
-    elastic_contact.HERTZ,
-    viscoelastic_contact.CASE,
-    self_similarity.CASE,
-    kinematics.CASE,
-    pyramid_checks.CASE,
-    mesh_convergence.CASE,
-    calculix_small.ELASTIC,
-    calculix_small.CREEP,
-    calculix_small.PLASTIC,
-    calculix_large.CASE,
-    calculix_pyramid.CASE,
-    reference_curves.CASE,
-)
 VERDICT = {True: "yes", False: "NO", None: "not a check"}
 
 
@@ -115,7 +89,7 @@ def write(result: dict[str, Any], folder: Path) -> None:
             pieces.append(html_report.table(pd.DataFrame(list(_table(case["rows"])))))
         for plot in case["plots"]:
             path = folder / "figures" / f"{plot['name']}.png"
-            figures.draw(plot, path)
+            figure.draw(plot, path)
             pieces.append(html_report.image(path, f"{case['title']}: {plot['name']}"))
         sections.append((case["title"], pieces))
     html_report.build(
