@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from types import ModuleType
+from typing import TypeVar
 
 from palpate.errors import InputError
+
+Files = TypeVar("Files")
 
 
 def library(name: str) -> ModuleType:
@@ -22,3 +26,10 @@ def library(name: str) -> ModuleType:
         raise InputError(
             f"the studies of the thesis need the library {name}", remedy=f"install it: pip install {name}"
         ) from None
+
+
+def with_libraries(names: Sequence[str], files: Files) -> Files:
+    """Return files once the libraries of these names are found; raise as `library` does."""
+    for name in names:
+        library(name)
+    return files

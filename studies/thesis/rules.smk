@@ -1,18 +1,9 @@
 # Every study of the thesis, from its curves to one page of verdicts: snakemake --cores 2 thesis
 from studies.thesis import DESIGNS, STUDIES
-from studies.thesis.libraries import library
+from studies.thesis.libraries import with_libraries
 
 THESIS = "results/thesis"
 MATERIALS = {name: f"config/thesis/{name}.yaml" for name in ("aluminium", "epoxy")}
-
-
-def with_libraries(kind, files):
-    """The inputs of a study or a design, once the libraries that it needs are found."""
-    try:
-        list(map(library, kind.libraries))
-    except InputError as error:
-        refuse(error)
-    return files
 
 
 rule thesis:
@@ -43,8 +34,10 @@ rule thesis_design:
         outcomes=lambda wildcards: expand(
             f"{THESIS}/{{study}}.json", study=DESIGNS[wildcards.design].after
         ),
-        studies=lambda wildcards: with_libraries(
-            DESIGNS[wildcards.design], [MATERIALS[DESIGNS[wildcards.design].material]]
+        studies=lambda wildcards: accepted(
+            with_libraries,
+            DESIGNS[wildcards.design].libraries,
+            [MATERIALS[DESIGNS[wildcards.design].material]],
         ),
     output:
         f"{THESIS}/designs/{{design}}.npz",
@@ -71,8 +64,9 @@ rule thesis_study:
             f"{THESIS}/recordings/{{material}}",
             material=STUDIES[wildcards.key].recordings,
         ),
-        studies=lambda wildcards: with_libraries(
-            STUDIES[wildcards.key],
+        studies=lambda wildcards: accepted(
+            with_libraries,
+            STUDIES[wildcards.key].libraries,
             sorted(
                 {
                     MATERIALS[DESIGNS[name].material]

@@ -94,6 +94,14 @@ def attempt(receipt):
     return EXECUTION if found["status"] == "pending" else found["attempt"]
 
 
+def accepted(function, *arguments):
+    """What a function returns; a mistake ends the execution with one line."""
+    try:
+        return function(*arguments)
+    except InputError as error:
+        refuse(error)
+
+
 def curves(values, accuracy):
     """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
