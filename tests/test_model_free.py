@@ -23,7 +23,7 @@ def unloaded(protocol):
     return 500.0 * np.sqrt(highest + 0.01 * flow) - recovered
 
 
-def tests_of(rng, effect=lambda protocol, r: 0.0, replicates=4, site=0.005, noise=0.5):
+def drawn(rng, effect=lambda protocol, r: 0.0, replicates=4, site=0.005, noise=0.5):
     found = []
     for condition in CONDITIONS:
         protocol = condition.protocol
@@ -51,7 +51,7 @@ def test_a_creeping_cone_obeys_the_scaling_law():
     """Its intervals hold what is true as often as they say; creep is no length."""
     draws, rng, kept = 200, np.random.default_rng(1), {}
     for _ in range(draws):
-        for name, fact in scaled(tests_of(rng)).items():
+        for name, fact in scaled(drawn(rng)).items():
             if fact.neutral is not None:
                 kept[name] = kept.get(name, 0) + (fact.lower <= fact.neutral <= fact.upper)
     assert len(kept) >= 2
@@ -59,7 +59,7 @@ def test_a_creeping_cone_obeys_the_scaling_law():
 
 
 def test_a_planted_frame_shows_in_every_fact_of_the_scaling_law():
-    found = scaled(tests_of(np.random.default_rng(2), lambda protocol, r: 8.0 * protocol.sample_load))
+    found = scaled(drawn(np.random.default_rng(2), lambda protocol, r: 8.0 * protocol.sample_load))
     frame = found["compliance in series"]
     assert frame.lower <= 8.0 <= frame.upper and frame.lower > 0.0
     assert "frame_compliance" in frame.suggests
@@ -68,7 +68,7 @@ def test_a_planted_frame_shows_in_every_fact_of_the_scaling_law():
 
 
 def test_a_planted_zero_moves_the_ratio_and_not_the_slope():
-    found = scaled(tests_of(np.random.default_rng(3), lambda protocol, r: 30.0))
+    found = scaled(drawn(np.random.default_rng(3), lambda protocol, r: 30.0))
     assert found["depth / sqrt(load)"].upper < 1.0
     assert "zero_offset" in found["depth / sqrt(load)"].suggests
     slope = found["change of d(depth)/d(sqrt(load)) along loading"]
@@ -83,7 +83,7 @@ def test_a_planted_zero_moves_the_ratio_and_not_the_slope():
     ],
 )
 def test_replicates_differ_by_what_was_planted(kind, key, effect, truth):
-    found = of_replicates(tests_of(np.random.default_rng(4), effect))
+    found = of_replicates(drawn(np.random.default_rng(4), effect))
     assert found[kind].estimate == pytest.approx(truth, rel=0.3)
     assert key in found[kind].suggests
     others = [fact for name, fact in found.items() if name != kind]
@@ -91,7 +91,7 @@ def test_replicates_differ_by_what_was_planted(kind, key, effect, truth):
 
 
 def test_sites_scatter_in_proportion_and_suggest_nothing():
-    found = of_replicates(tests_of(np.random.default_rng(5), site=0.02))
+    found = of_replicates(drawn(np.random.default_rng(5), site=0.02))
     assert found["sites"].lower <= 0.02 <= found["sites"].upper
     assert found["sites"].lower > 0.0
     assert all(not fact.suggests for fact in found.values())
@@ -101,7 +101,7 @@ def test_a_trend_from_test_to_test():
     def worn(protocol, r):
         return 0.02 * r * unloaded(protocol)
 
-    (found,) = replicate_facts.trend(tests_of(np.random.default_rng(6), worn))
+    (found,) = replicate_facts.trend(drawn(np.random.default_rng(6), worn))
     assert found.lower <= 0.02 <= found.upper
     assert found.lower > 0.0
 
