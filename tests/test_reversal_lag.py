@@ -50,7 +50,7 @@ def test_it_does_not_stick_where_the_load_begins_to_rise():
 
 
 def test_the_interval_holds_no_lag_where_there_is_none():
-    rng, draws = np.random.default_rng(7), 100
+    rng, draws = np.random.default_rng(7), 60
     found = [reversal_lag([cone(rng, 0.0, law) for _ in range(2)]) for law in COMPLIANCES for _ in range(draws // 2)]
     held = sum(each.lower <= 0.0 <= each.upper for each in found)
     assert wilson(held, draws)[1] >= 0.95
