@@ -393,7 +393,7 @@ def test_a_key_on_the_command_line_that_a_study_does_not_know_is_refused(tmp_pat
 
 def test_every_key_that_a_rule_takes_from_the_command_line_is_accepted_there(tmp_path):
     """The keys that rules ask for, those that comments and documents name beside a study's, and the message's agree."""
-    files = [*(ROOT / "workflow/rules").glob("*.smk"), *(ROOT / "studies").glob("*/rules.smk")]
+    files = [*(ROOT / "workflow/rules").glob("*.smk"), *(ROOT / "studies").glob("*/*.smk")]
     rules = "".join(file.read_text() for file in files)
     named = [rules, *(file.read_text() for file in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")])]
     asked = set(re.findall(r'config\.get\("(\w+)"\)', rules))
