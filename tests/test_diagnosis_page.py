@@ -1,10 +1,10 @@
 """The page of a diagnosis: units beside numbers, and no list of places where none stands out."""
 
 import pandas as pd
+from palpate.output.diagnosis_page import _material, effect, located
 
 from palpate.materials import LAWS
 from palpate.output import html_report
-from palpate.output.diagnosis_page import _material, effect, located
 
 
 def test_parameters_of_effects_carry_their_units():

@@ -15,7 +15,8 @@ EXECUTION = os.environ.setdefault(
 HERE = Path(workflow.current_basedir).parents[1]
 SOURCE = [str(HERE / "src"), str(HERE)]
 os.environ.update(
-    PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")]))
+    PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")])),
+    MPLBACKEND="Agg",  # figures are files, whatever a notebook's kernel asks for
 )
 sys.path[:0] = SOURCE  # so that what is planned here is what scripts compute
 # Snakemake puts it into shell commands as it is, spaces and all.
@@ -39,6 +40,7 @@ try:
 except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
+import palpate
 from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.study_file import load_study, study_from
@@ -121,6 +123,18 @@ def curves(values, accuracy):
 def joint_checksum(files):
     """One checksum of files, as a copy keeps the time of an old one."""
     return hashlib.sha256("".join(map(checksum, files)).encode()).hexdigest()
+
+
+@functools.cache
+def captions():
+    """What each figure shows, by name: the first line of its file."""
+    folder = Path(palpate.__file__).parent / "output/figures"
+    texts = {file: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.py"))}
+    return {
+        re.search(r'PaperFigure\(\s*"(\w+)"', text)[1]: text.split("\n")[0].strip('"')
+        for text in texts.values()
+        if "\nFIGURE = " in text
+    }
 
 
 @functools.cache

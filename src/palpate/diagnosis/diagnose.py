@@ -30,7 +30,7 @@ from palpate.mechanisms import MECHANISMS
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class DiagnosisOutcome:
     """The verdict, and the fits from which it follows.
 
     Attributes
@@ -57,7 +57,7 @@ class Diagnosis:
     failed: dict[str, str]
 
 
-def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis:
+def diagnose(search: Search, report: Callable[[str], None] = print) -> DiagnosisOutcome:
     """Diagnose the recordings of a search.
 
     The base model is tested first. If it fails, mechanisms are added to it one by one, those with the largest
@@ -78,7 +78,7 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         report(f"{key}: {reason}")
     report(f"base model: log evidence {base.fit.log_evidence:.1f}, p = {base.p_value:.3g}")
     if base.adequate(level):
-        return Diagnosis("adequate", base, [], [], [base], failed)
+        return DiagnosisOutcome("adequate", base, [], [], [base], failed)
     with SideBySide(search) as side_by_side:
         accepted, tried = _accepted(side_by_side, failed, report)
     verdict, probabilities = verdict_of(accepted)
@@ -86,7 +86,7 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         best = accepted[0].fit
         if not may_be_named(search.problem, best.explanation) or zero_on_average(best):
             verdict = "suspected"
-    return Diagnosis(verdict, base, accepted, probabilities, tried, failed)
+    return DiagnosisOutcome(verdict, base, accepted, probabilities, tried, failed)
 
 
 def _accepted(

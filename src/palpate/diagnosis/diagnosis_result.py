@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.limits import limits
 from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
@@ -152,7 +152,7 @@ def _accepted(
 
 
 def _next_test(
-    study: Study, diagnosis: Diagnosis, draws: list[np.ndarray], keys: Iterable[str]
+    study: Study, diagnosis: DiagnosisOutcome, draws: list[np.ndarray], keys: Iterable[str]
 ) -> dict[str, Any] | None:
     """Return the test that separates what is open between two accounts of the recordings.
 
@@ -186,7 +186,7 @@ def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
 def to_mapping(
     study: Study,
     observed: Mapping[str, Observation],
-    diagnosis: Diagnosis,
+    diagnosis: DiagnosisOutcome,
     rng: np.random.Generator,
     own_laws: OwnLaws | None = None,
     keys: Sequence[str] = (),

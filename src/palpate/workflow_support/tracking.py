@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import json
 import logging
 import os
 import re
@@ -21,12 +22,17 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from palpate.errors import PalpateError
+from palpate.errors import InputError, PalpateError
+from palpate.materials import LAWS
 from palpate.surrogate.saved import load
+from palpate.workflow_support import saved_view
 from palpate.workflow_support.result_files import checksum, read_json, write_json
+from palpate.workflow_support.run_records import WORKFLOW
 
 SECONDS = 5  # that one request may take
+REFUSED = r"""[/:.%"']"""  # what a model's name may not hold
 PATIENCE = 60  # s, for another process that makes the store or sends the same records
+MATERIAL = {parameter.name for law in LAWS.values() for parameter in law.parameters}
 LIMITS = {
     "MLFLOW_HTTP_REQUEST_TIMEOUT": str(SECONDS),
     "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "0",
@@ -64,7 +70,7 @@ def send(folder: Path) -> list[str]:
 
 def _problem(answer: str, results: Path) -> str:
     """Return in one line what MLflow answers, with the remedy where the answer has none."""
-    uri = _uri(results)
+    uri = store_of(results)
     if found := re.search(r"schema \(found version (\w+), but expected (\w+)\)", answer):
         return (
             f"{uri.removeprefix('sqlite:///')} is of another version of MLflow, schema {found[1]} where {found[2]} is "
@@ -76,7 +82,8 @@ def _problem(answer: str, results: Path) -> str:
     return " ".join(answer.split())[:200]
 
 
-def _uri(results: Path) -> str:
+def store_of(results: Path) -> str:
+    """Return the address of the store: that of ``MLFLOW_TRACKING_URI``, or that in a folder of results."""
     return os.environ.get("MLFLOW_TRACKING_URI") or _default(results)
 
 
@@ -116,16 +123,10 @@ def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
     PalpateError
         When an artifact is missing, or the store is no database.
     """
-    uri, above = _uri(results), Path(os.path.abspath(results)).parent
+    uri, above = store_of(results), Path(os.path.abspath(results)).parent
     runs = [_located(run, above) for run in record["runs"]]
-    _check_file(uri)
-    os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
-    import mlflow
-
-    logging.getLogger("mlflow").setLevel(logging.ERROR)
     with _alone(_lock_of(uri)):
-        mlflow.set_tracking_uri(uri)
-        client = mlflow.MlflowClient()
+        client = connected(results)
         experiment = _experiment(client, record["study"], results)
         parent = _parent(client, experiment, record)
     shared = {"mlflow.parentRunId": parent, "git_commit": record["git_commit"], "record": digest}
@@ -138,12 +139,57 @@ def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
         if made.info.status != "FINISHED":
             _fill(client, made.info.run_id, run)
             client.set_terminated(made.info.run_id, end_time=run["ended"])
-    for key, value in record["answer"].get("tags", {}).items():
-        client.set_tag(parent, key, value)
-    for key, value in record["answer"].get("metrics", {}).items():
-        client.log_metric(parent, key, value)
+    if told := record["parent"]:
+        _keep_view(client, experiment, record)
+        _log(client, parent, {"series": {}, "ended": max(run["ended"] for run in runs), **told})
+        for key, value in {**told["tags"], "mlflow.runName": told["name"]}.items():
+            client.set_tag(parent, key, value)
     if runs:
         client.set_terminated(parent, end_time=max(run["ended"] for run in runs))
+
+
+def experiments(results: Path) -> dict[str, str]:
+    """Return the ID of the experiment of every study that has sent runs, by its name.
+
+    Raises
+    ------
+    InputError
+        When there is no store yet, or no run in it.
+    """
+    store = store_of(results)
+    file = Path(store.removeprefix("sqlite:///"))
+    if store.startswith("sqlite:///") and not file.is_file():
+        remedy = "run a study first (palpate run STUDY.yaml), or name its folder with --results"
+        raise InputError("holds no runs: the file is missing", remedy=remedy, file=file)
+    found = connected(results).search_experiments(order_by=["name ASC"])
+    return {each.name: str(each.experiment_id) for each in found if each.name != "Default"}
+
+
+def _keep_view(client: Any, experiment: str, record: Mapping[str, Any]) -> None:
+    """Write the view of an experiment; where that fails, a line says so, and nothing is lost."""
+    names = [name for run in record["runs"] for name in run["metrics"] if name in MATERIAL]
+    try:
+        saved_view.write(client, experiment, list(dict.fromkeys(names)))
+    except Exception as error:  # a server may refuse it
+        print(f"tracking: the view of {record['study']} was not written ({' '.join(str(error).split())[:120]})")
+
+
+def connected(results: Path) -> Any:
+    """Return a client of the store, which is made where it is missing.
+
+    Raises
+    ------
+    PalpateError
+        When the store is no database.
+    """
+    uri = store_of(results)
+    _check_file(uri)
+    os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
+    import mlflow
+
+    logging.getLogger("mlflow").setLevel(logging.ERROR)
+    mlflow.set_tracking_uri(uri)
+    return mlflow.MlflowClient()
 
 
 def _located(run: Mapping[str, Any], above: Path) -> dict[str, Any]:
@@ -179,7 +225,7 @@ def _experiment(client: Any, study: str, results: Path) -> str:
     found = client.get_experiment_by_name(study)
     if found is not None:
         return str(found.experiment_id)
-    default = _uri(results) == _default(results)
+    default = store_of(results) == _default(results)
     location = (results / "mlartifacts" / study).resolve().as_uri() if default else None
     return str(client.create_experiment(study, artifact_location=location))
 
@@ -187,19 +233,18 @@ def _experiment(client: Any, study: str, results: Path) -> str:
 def _parent(client: Any, experiment: str, record: Mapping[str, Any]) -> str:
     """Return the id of the run of the execution that made a record, made if there is none."""
     execution = record["execution"]
-    found = client.search_runs([experiment], f"tags.execution = '{execution}' and tags.kind = 'workflow'")
+    found = client.search_runs([experiment], f"tags.execution = '{execution}' and tags.kind = '{WORKFLOW}'")
     if found:
         return str(found[0].info.run_id)
-    tags = {"execution": execution, "kind": "workflow", "git_commit": record["git_commit"]}
+    tags = {"execution": execution, "kind": WORKFLOW, "git_commit": record["git_commit"]}
     started = min((run["started"] for run in record["runs"]), default=None)
     return str(
         client.create_run(experiment, start_time=started, tags=tags, run_name=f"workflow {execution}").info.run_id
     )
 
 
-def _fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
-    """Log what a run holds: parameters, metrics, series, files, and the surrogate as a loadable model."""
-    import mlflow
+def _log(client: Any, identity: str, run: Mapping[str, Any]) -> None:
+    """Log parameters, metrics and series of a run."""
     from mlflow.entities import Metric, Param
 
     series = {key: list(enumerate(values)) for key, values in run["series"].items()}
@@ -209,16 +254,40 @@ def _fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
         client.log_batch(identity, metrics=part)
     for part in _parts([Param(key, str(value)) for key, value in run["params"].items()], 100):
         client.log_batch(identity, params=part)
+
+
+def _fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
+    """Log what a run holds: parameters, metrics, series, dataset, files, and the surrogate as a loadable model."""
+    import mlflow
+
+    _log(client, identity, run)
+    if run["dataset"]:
+        client.log_inputs(identity, datasets=[_dataset(run["dataset"])])
     for file in run["files"]:
-        client.log_artifact(identity, file)
+        folder = "figures" if Path(file).parent.name == "figures" else None
+        client.log_artifact(identity, file, folder)
+    for name, text in run["tables"].items():
+        client.log_text(identity, text, name)
     if run["surrogate"]:
+        model = load(run["surrogate"])
+        points = model.lower_[None]
         with mlflow.start_run(run_id=identity):
             mlflow.sklearn.log_model(
-                load(run["surrogate"]),
-                name="surrogate",
+                model,
+                name=re.sub(REFUSED, "_", run["model"]),
+                signature=mlflow.models.infer_signature(points, model.predict(points)),
                 pip_requirements=["palpate", "scikit-learn", "scipy", "numpy"],
                 serialization_format="cloudpickle",
             )
+
+
+def _dataset(found: Mapping[str, str]) -> Any:
+    """Return the recordings of a run as MLflow's input."""
+    from mlflow.entities import Dataset, DatasetInput, InputTag
+
+    source = json.dumps({"uri": found["source"]})
+    dataset = Dataset(name=found["name"], digest=found["digest"], source_type="local", source=source)
+    return DatasetInput(dataset, [InputTag("mlflow.data.context", "recordings")])
 
 
 def _parts(entries: list[Any], size: int) -> Iterator[list[Any]]:
