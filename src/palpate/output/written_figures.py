@@ -15,7 +15,6 @@ from palpate.output.figures.style import DOUBLE_COLUMN, LOOK, drawn, headed, sav
 from palpate.output.saved_set import SavedSet
 
 
-
 def write_figures(
     sets: Sequence[SavedSet],
     folder: Path,

@@ -31,7 +31,8 @@ def of_fit(curves: pd.DataFrame, labels: dict[str, str] | None = None) -> pd.Dat
     """Return the curves of a calibration: condition, label, role, time, drive, recorded and base model's response."""
     found = curves.rename(columns={f"simulated_{unit}": f"base_{unit}" for unit in ("nm", "mN")})
     found = found.drop(columns=[name for name in found if str(name).startswith(("spread_", "surrogate_"))])
-    found.insert(1, "label", found["condition"].map(labels or {}).fillna(found["condition"]))
+    known = labels or {}
+    found.insert(1, "label", [known.get(name, name) for name in found["condition"]])
     return found
 
 

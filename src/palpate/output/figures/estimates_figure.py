@@ -43,11 +43,11 @@ def draw(figure: Figure, frame: pd.DataFrame) -> None:
     fits = list(dict.fromkeys(frame["fit"]))
     axes = grid(figure, len(parts), (1.3, 0.75 + 0.2 * len(fits)), most=6)
     for k, (rows, axis) in enumerate(zip(parts, axes, strict=True)):
-        for row in rows.itertuples():
-            place, accepted = fits.index(row.fit), row.fit == ACCEPTED
+        for row in rows.to_dict("records"):
+            place, accepted = fits.index(row["fit"]), row["fit"] == ACCEPTED
             colour, mark = (SIMULATED, "s") if accepted else (RECORDED, "o")
-            axis.plot([row.lower, row.upper], [place, place], color=colour, lw=2.2 if accepted else 1.2)
-            axis.plot(row.estimate, place, mark, color=colour, mfc=colour if row.identified else "white", ms=4.5)
+            axis.plot([row["lower"], row["upper"]], [place, place], color=colour, lw=2.2 if accepted else 1.2)
+            axis.plot(row["estimate"], place, mark, color=colour, mfc=colour if row["identified"] else "white", ms=4.5)
         if rows["truth"].notna().all():
             axis.axvline(rows["truth"].iloc[0], color=TRUTH, lw=1.2, ls="--")
         first, last = rows["range_from"].iloc[0], rows["range_to"].iloc[0]

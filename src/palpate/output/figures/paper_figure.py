@@ -67,13 +67,17 @@ def grid(figure: Figure, count: int, panel: tuple[float, float], most: int = 4) 
 
 def bottom_row(axes: list[Axes], number: int) -> bool:
     """Return whether no panel lies below the one of that number."""
-    columns = axes[0].get_subplotspec().get_gridspec().ncols
-    return number + columns >= len(axes)
+    return number + _columns(axes) >= len(axes)
 
 
 def first_column(axes: list[Axes], number: int) -> bool:
     """Return whether a panel lies at the left end of its row."""
-    return number % axes[0].get_subplotspec().get_gridspec().ncols == 0
+    return number % _columns(axes) == 0
+
+
+def _columns(axes: list[Axes]) -> int:
+    whole = axes[0].get_gridspec()
+    return whole.ncols if whole else 1
 
 
 def legend_below(figure: Figure, axis: Axes) -> None:

@@ -16,8 +16,8 @@ from cycler import cycler
 from matplotlib.figure import Figure
 
 RECORDED, SIMULATED, SURROGATE, TRUTH = "0.15", "#a8181f", "#2f6fa7", "#3f8f4f"
-BASE = {"color": "#62a8d4", "linestyle": (0, (4, 1.6)), "linewidth": 1.3}  # luminance 0.35
-ACCEPTED = {"color": SIMULATED, "linestyle": "-", "linewidth": 1.2}  # luminance 0.09
+BASE: dict[str, Any] = {"color": "#62a8d4", "linestyle": (0, (4, 1.6)), "linewidth": 1.3}  # luminance 0.35
+ACCEPTED: dict[str, Any] = {"color": SIMULATED, "linestyle": "-", "linewidth": 1.2}  # luminance 0.09
 SERIES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#000000", "#56b4e9", "#d55e00")
 DOUBLE_COLUMN = 7.2  # inches
 SMALLEST = 7  # pt, of any text
