@@ -4,6 +4,7 @@ input: recordings (CSV), surrogates, summaries of all surrogates (JSON). output:
 (JSON: the runs for MLflow). settings: `calibration`, `seed`.
 """
 
+from functools import partial
 from pathlib import Path
 
 from palpate.output.saved_set import SavedSet
@@ -18,7 +19,8 @@ def main(snakemake):
     recordings, condition_set = snakemake.wildcards.recordings, snakemake.wildcards.condition_set
     with tracked_runs(study.name, output.record) as record:
         models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
-        result, curves = steps.run_calibration(study, recordings, condition_set, models)
+        report = partial(job.note, snakemake.log[0])
+        result, curves = steps.run_calibration(study, recordings, condition_set, models, report)
         content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)

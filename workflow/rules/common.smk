@@ -49,8 +49,9 @@ from palpate.inference.study_recordings import (
     with_stiffness,
     written_by_workflow,
 )
-from palpate.workflow_support import job, manifest
+from palpate.workflow_support import console, job, manifest
 from palpate.workflow_support.check_study import checked
+from palpate.workflow_support.expected_time import job_seconds
 from palpate.workflow_support.result_files import (
     altered,
     checksum,
@@ -173,6 +174,15 @@ if workflow.is_main_process:
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
 CALIBRATED = [condition.name for condition in STUDY.calibrated]
 OWN_LOADS = [condition.name for condition in STUDY.conditions if condition.own_loads]
+if workflow.is_main_process:
+    console.announce(
+        console.Plan(
+            Path(FOLDER),
+            job_seconds(STUDY, len(BATCHES)),
+            workflow.resource_settings.cores or 1,
+            lambda: set(workflow.dag_settings.targets) <= {"all"},
+        )
+    )
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 

@@ -27,6 +27,8 @@ from palpate.workflow_support.run_records import (
     now,
 )
 
+DIGITS = 4  # of the numbers that people compare in a table
+
 
 def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[str, Any]) -> Run:
     """Return the run of the surrogate of a condition, with the summary of `palpate.workflow_support.steps`."""
@@ -121,7 +123,8 @@ def _of_set(found: Answer, folder: Path) -> Run:
     with_set = f"{saved.name}: " if len(study.recordings) > 1 else ""
     name = f"{with_set}{found.headline[0].lower()}{found.headline[1:]} - {study.surrogate['kernel']} - {_clock()}"
     tags = {"recordings": saved.name} | _verdict(content) | {"mlflow.note.content": found.sentence}
-    run = Run(name, ANSWERS, tags, of_study(study) | {"recordings": saved.name}, metrics)
+    shown = {key: float(f"{value:.{DIGITS}g}") for key, value in metrics.items()}
+    run = Run(name, ANSWERS, tags, of_study(study) | {"recordings": saved.name}, shown)
     figures = sorted((folder / "figures").glob(f"{saved.name}_*.svg")) + sorted(
         (folder / "figures").glob("surrogates.svg")
     )
@@ -129,7 +132,7 @@ def _of_set(found: Answer, folder: Path) -> Run:
     run.dataset = _dataset(saved)
     if (start := began()) is not None:
         run.started = start
-        metrics["seconds"] = (now() - start) / 1000.0
+        run.metrics["seconds"] = round((now() - start) / 1000.0)
     return run
 
 

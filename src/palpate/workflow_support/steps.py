@@ -110,7 +110,11 @@ def calibrate_study(
 
 
 def run_calibration(
-    study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
+    study: Study,
+    recordings: str,
+    condition_set: str,
+    surrogate_files: Mapping[str, str | Path],
+    report: Callable[[str], None] = print,
 ) -> tuple[CalibrationOutcome, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, and compute its errors with the solver on every condition.
 
@@ -122,6 +126,8 @@ def run_calibration(
         The study, and the names of the set of recordings and of the conditions.
     surrogate_files
         File of each condition's surrogate.
+    report
+        Called with one line on the progress.
 
     Returns
     -------
@@ -138,9 +144,6 @@ def run_calibration(
         name: item if name in members or item.role == "validate" else replace(item, role="validate")
         for name, item in measured.items()
     }
-
-    def report(line: str) -> None:
-        print(f"{recordings}, {condition_set}: {line}")
 
     result = calibrate_study(study, models, roles, report)
     return result, curves_beside(study, roles, result, report)

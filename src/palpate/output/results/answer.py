@@ -241,6 +241,7 @@ class Answer:
             "nothing_further": self.nothing_further,
             "next_test": self.next_test,
             "sentence": self.sentence,
+            "lines": self.lines(),
         }
 
 
