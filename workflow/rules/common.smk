@@ -130,7 +130,9 @@ def joint_checksum(files):
 def captions():
     """What each figure shows, by name: the first line of its file."""
     folder = Path(palpate.__file__).parent / "output/figures"
-    texts = {file: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.py"))}
+    texts = {
+        file: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.py"))
+    }
     return {
         re.search(r'PaperFigure\(\s*"(\w+)"', text)[1]: text.split("\n")[0].strip('"')
         for text in texts.values()

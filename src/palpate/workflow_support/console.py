@@ -81,7 +81,7 @@ class Console:
         self.write(f"{sum(self.jobs.values())} jobs, about {time_in_words(self._left())}{self._compiling()}")
 
     def started(self, job: int, rule: str, message: str, outputs: Sequence[str]) -> None:
-        """Take a job that begins."""
+        """Take a job that begins: its rule, the message that people read, and the outputs of which is learnt."""
         self.running[job] = (rule, message, outputs)
         self._show()
 

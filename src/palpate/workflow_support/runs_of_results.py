@@ -31,7 +31,7 @@ DIGITS = 4  # of the numbers that people compare in a table
 
 
 def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[str, Any]) -> Run:
-    """Return the run of the surrogate of a condition, with the summary of `palpate.workflow_support.steps`."""
+    """Return the run of the surrogate of a condition: the settings of study and model, and the summary of its fit."""
     unit = summary["unit"]
     kernel = model.get_params()["kernel"]
     metrics = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import json
 import logging
 import os
 import re
@@ -24,13 +23,12 @@ from filelock import FileLock, Timeout
 
 from palpate.errors import InputError, PalpateError
 from palpate.materials import LAWS
-from palpate.surrogate.saved import load
 from palpate.workflow_support import saved_view
+from palpate.workflow_support.logged_run import fill, log
 from palpate.workflow_support.result_files import checksum, read_json, write_json
 from palpate.workflow_support.run_records import WORKFLOW
 
 SECONDS = 5  # that one request may take
-REFUSED = r"""[/:.%"']"""  # what a model's name may not hold
 PATIENCE = 60  # s, for another process that makes the store or sends the same records
 MATERIAL = {parameter.name for law in LAWS.values() for parameter in law.parameters}
 LIMITS = {
@@ -137,11 +135,11 @@ def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
             experiment, start_time=run["started"], tags=tags, run_name=run["name"]
         )
         if made.info.status != "FINISHED":
-            _fill(client, made.info.run_id, run)
+            fill(client, made.info.run_id, run)
             client.set_terminated(made.info.run_id, end_time=run["ended"])
     if told := record["parent"]:
         _keep_view(client, experiment, record)
-        _log(client, parent, {"series": {}, "ended": max(run["ended"] for run in runs), **told})
+        log(client, parent, {"series": {}, "ended": max(run["ended"] for run in runs), **told})
         for key, value in {**told["tags"], "mlflow.runName": told["name"]}.items():
             client.set_tag(parent, key, value)
     if runs:
@@ -241,58 +239,6 @@ def _parent(client: Any, experiment: str, record: Mapping[str, Any]) -> str:
     return str(
         client.create_run(experiment, start_time=started, tags=tags, run_name=f"workflow {execution}").info.run_id
     )
-
-
-def _log(client: Any, identity: str, run: Mapping[str, Any]) -> None:
-    """Log parameters, metrics and series of a run."""
-    from mlflow.entities import Metric, Param
-
-    series = {key: list(enumerate(values)) for key, values in run["series"].items()}
-    series |= {key: [(0, value)] for key, value in run["metrics"].items()}
-    metrics = [Metric(key, float(v), run["ended"], step) for key, values in series.items() for step, v in values]
-    for part in _parts(metrics, 1000):
-        client.log_batch(identity, metrics=part)
-    for part in _parts([Param(key, str(value)) for key, value in run["params"].items()], 100):
-        client.log_batch(identity, params=part)
-
-
-def _fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
-    """Log what a run holds: parameters, metrics, series, dataset, files, and the surrogate as a loadable model."""
-    import mlflow
-
-    _log(client, identity, run)
-    if run["dataset"]:
-        client.log_inputs(identity, datasets=[_dataset(run["dataset"])])
-    for file in run["files"]:
-        folder = "figures" if Path(file).parent.name == "figures" else None
-        client.log_artifact(identity, file, folder)
-    for name, text in run["tables"].items():
-        client.log_text(identity, text, name)
-    if run["surrogate"]:
-        model = load(run["surrogate"])
-        points = model.lower_[None]
-        with mlflow.start_run(run_id=identity):
-            mlflow.sklearn.log_model(
-                model,
-                name=re.sub(REFUSED, "_", run["model"]),
-                signature=mlflow.models.infer_signature(points, model.predict(points)),
-                pip_requirements=["palpate", "scikit-learn", "scipy", "numpy"],
-                serialization_format="cloudpickle",
-            )
-
-
-def _dataset(found: Mapping[str, str]) -> Any:
-    """Return the recordings of a run as MLflow's input."""
-    from mlflow.entities import Dataset, DatasetInput, InputTag
-
-    source = json.dumps({"uri": found["source"]})
-    dataset = Dataset(name=found["name"], digest=found["digest"], source_type="local", source=source)
-    return DatasetInput(dataset, [InputTag("mlflow.data.context", "recordings")])
-
-
-def _parts(entries: list[Any], size: int) -> Iterator[list[Any]]:
-    for first in range(0, len(entries), size):
-        yield entries[first : first + size]
 
 
 def _lock_of(uri: str) -> Path:

@@ -19,12 +19,12 @@ MARKS = 26  # recorded points that are drawn of a curve
 
 def table(saved: SavedSet) -> pd.DataFrame:
     """Return the curves with and without the accepted effects, see `of_fit`."""
-    fit = of_fit(saved.fits[ALL], saved.labels)
-    if saved.explained is None or not saved.accepted:
-        return fit
+    if ALL in saved.fits and not saved.accepted:
+        return of_fit(saved.fits[ALL], saved.labels)
+    assert saved.explained is not None
     found = saved.explained.rename(columns={"before_nm": "base_nm", "after_nm": "accepted_nm"})
     found.insert(1, "label", found["condition"].map(saved.labels))
-    return found.drop(columns="noise_nm")
+    return found.drop(columns=["noise_nm", *(() if saved.accepted else ["accepted_nm"])])
 
 
 def of_fit(curves: pd.DataFrame, labels: dict[str, str] | None = None) -> pd.DataFrame:
