@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _row(began: int, data: Any) -> dict[str, Any]:
-    """Return time, recordings, verdict, errors, material parameters, error of the surrogates, kernel and law of a run."""
+    """Return what is compared of a run: time, recordings, verdict, errors, parameters, kernel and law."""
     from palpate.output.rounding import rounded
     from palpate.workflow_support.tracking import MATERIAL
 
