@@ -15,6 +15,7 @@ from palpate.output.results.answer import Answer
 from palpate.output.results.diagnosis import quantity_in_words, titles_of
 from palpate.output.rounding import interval_of, percent, rounded
 
+WORDS = {"calibrate": "fitted", "validate": "held out"}
 MOST_PARTS = 12  # rows of the table of misfits
 Picture = Callable[[str], str]  # a figure by its name, with its caption, or nothing
 EXACT = {
@@ -87,7 +88,7 @@ def _errors(found: Answer) -> str:
     left, rows = residuals.table(found.saved), []
     for name, part in left.groupby("condition", sort=False):
         unit = curves.unit_of(part)
-        row = {"condition": found.saved.labels[str(name)], "role": part["role"].iloc[0]}
+        row = {"condition": found.saved.labels[str(name)], "role": WORDS[part["role"].iloc[0]]}
         for key, words in (("base", "base model"), ("accepted", "accepted model")):
             if (values := curves.response(part, key)) is not None:
                 row[f"{words}, error"] = f"{rounded(float((values**2).mean() ** 0.5), 2)} {unit}"
