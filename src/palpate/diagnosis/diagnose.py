@@ -30,7 +30,7 @@ SURE = 0.95  # probability from which on it counts as within
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class DiagnosisOutcome:
     """The verdict, and the fits from which it follows.
 
     Attributes
@@ -75,7 +75,7 @@ class Diagnosis:
         return family_inclusion(self.all_sets)
 
 
-def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis:
+def diagnose(search: Search, report: Callable[[str], None] = print) -> DiagnosisOutcome:
     """Diagnose the recordings of a search.
 
     Every set of mechanisms, up to the study's ``diagnosis.largest_set``, has an evidence to first order; the likeliest
@@ -192,7 +192,7 @@ def _special_cases(search: Search, fit: Fit) -> list[tuple[tuple[str, ...], np.n
     return found
 
 
-def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> Diagnosis:
+def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> DiagnosisOutcome:
     """Return the verdict that follows from the probabilities."""
     settings, policy, base = search.study.diagnosis, search.policy, found.fitted[frozenset()]
     stated = found.probabilities()
@@ -207,7 +207,7 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     within = [found.fitted[m].within(settings["tolerance"], settings["significance"]) for m in group]
     whole = float(np.average(within, weights=[probabilities[m] for m in group]))
     tolerated = "false" if whole < 1.0 - LIKELIER else "true" if whole >= SURE else "undecided"
-    undecided = Diagnosis("", tolerated, base, [], [], probabilities, tried, failed)
+    undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, tried, failed)
     certain = max(undecided.family_inclusion.values(), default=0.0) >= policy.certain
     if tolerated == "false" and (base.fit.errors.law is None or not certain):
         return replace(undecided, verdict="unexplained")
@@ -218,7 +218,7 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     return replace(undecided, verdict=verdict, accepted=accepted, probabilities=of_them)
 
 
-def _of_one_set(search: Search, diagnosis: Diagnosis, members: Members) -> str:
+def _of_one_set(search: Search, diagnosis: DiagnosisOutcome, members: Members) -> str:
     """Return whether the single set of a group is identified or suspected."""
     (fit,) = (each.fit for each in diagnosis.tried if frozenset(each.fit.explanation) == members)
     families = {MECHANISMS[key].family for key in members}

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.limits import limits
 from palpate.diagnosis.locate import CERTAIN, Residuals
@@ -165,7 +165,7 @@ def _pattern(
 
 
 def _next_test(
-    study: Study, diagnosis: Diagnosis, draws: list[np.ndarray], keys: Iterable[str]
+    study: Study, diagnosis: DiagnosisOutcome, draws: list[np.ndarray], keys: Iterable[str]
 ) -> dict[str, Any] | None:
     """Return the test that separates what is open between two accounts of the recordings.
 
@@ -183,7 +183,7 @@ def _next_test(
     return None if hidden is None else discriminating_test(study, accounts[-1], accounts[-1].with_hidden(hidden))
 
 
-def _tried(candidate: Candidate, diagnosis: Diagnosis) -> dict[str, Any]:
+def _tried(candidate: Candidate, diagnosis: DiagnosisOutcome) -> dict[str, Any]:
     """Return the row of an explanation that was fitted."""
     return {
         "mechanisms": sorted(candidate.fit.explanation),
@@ -199,7 +199,7 @@ def _tried(candidate: Candidate, diagnosis: Diagnosis) -> dict[str, Any]:
 def to_mapping(
     study: Study,
     observed: Mapping[str, Observation],
-    diagnosis: Diagnosis,
+    diagnosis: DiagnosisOutcome,
     rng: np.random.Generator,
     screen: Screen,
     own_laws: OwnLaws | None = None,

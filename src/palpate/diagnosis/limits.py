@@ -10,7 +10,7 @@ from palpate.configuration.study_file import Study
 from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.candidates import KINDS_OF_TESTS
-from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
@@ -20,7 +20,7 @@ SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 OUTSIDE = 0.005  # of a range, beyond its ends: a parameter is reported as outside
 
 
-def limits(study: Study, diagnosis: Diagnosis, failed: Mapping[str, str], rng: np.random.Generator) -> list[str]:
+def limits(study: Study, diagnosis: DiagnosisOutcome, failed: Mapping[str, str], rng: np.random.Generator) -> list[str]:
     """Return all limits of a diagnosis.
 
     Parameters
@@ -79,7 +79,7 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
     return messages
 
 
-def without_mean(diagnosis: Diagnosis) -> list[str]:
+def without_mean(diagnosis: DiagnosisOutcome) -> list[str]:
     """Return which effects of the most likely accepted explanation may be zero in the mean of the recordings."""
     return [
         f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
@@ -89,7 +89,7 @@ def without_mean(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
-def far_out(diagnosis: Diagnosis) -> list[str]:
+def far_out(diagnosis: DiagnosisOutcome) -> list[str]:
     """Return which quantities of the most likely explanation lie outside their ranges."""
     found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
     if not found:
@@ -104,7 +104,7 @@ def outside(fit: Fit) -> list[str]:
     return [f"{each.name} {float(each.physical(x)):.3g}" for each, x, far in quantities if far]
 
 
-def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
+def follows_tests(diagnosis: DiagnosisOutcome, level: float, rng: np.random.Generator) -> list[str]:
     """Return which effect on single recordings depends on the test, where no explanation was accepted."""
     if diagnosis.verdict != "unexplained":
         return []

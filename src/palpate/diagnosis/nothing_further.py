@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from palpate.classical.reference_sample import NORMAL_95
-from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.explanations import Members
 from palpate.diagnosis.screen import Screen
 from palpate.inference.explanation import DENSITY_ONE, Fit
@@ -19,7 +19,7 @@ MOST = 5  # mechanisms that are listed
 VAGUE = 1e-6  # precision of a coefficient beforehand: none to speak of
 
 
-def nothing_further(diagnosis: Diagnosis, named: Iterable[str], screen: Screen) -> dict[str, Any]:
+def nothing_further(diagnosis: DiagnosisOutcome, named: Iterable[str], screen: Screen) -> dict[str, Any]:
     """Return what may act beside the `named` mechanisms.
 
     Returns

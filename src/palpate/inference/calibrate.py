@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.base.threads import on_one_thread
 from palpate.errors import InputError, PalpateError
-from palpate.inference.calibration_result import MOST_MISFIT, Calibration
+from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
 from palpate.inference.discrepancy import LAW_ERROR
 from palpate.inference.estimates import (
     condition_errors,
@@ -80,7 +80,7 @@ def calibrate(
     rng: np.random.Generator,
     settings: CalibrationSettings | None = None,
     report: Callable[[str], None] = print,
-) -> Calibration:
+) -> CalibrationOutcome:
     """Calibrate the parameters on the conditions of a problem.
 
     The genetic search minimises the thesis' objectives on the mean curves. From its optimum least squares go on, on the
@@ -125,7 +125,7 @@ def calibrate(
     table = condition_errors(problem.recorded, solved)
     weighable = not problem.replicated or fit.misfit_ratio < MOST_MISFIT
     explained = weighable and all(table[name]["r2"] > LEAST_R2 for name in fitted)
-    return Calibration(
+    return CalibrationOutcome(
         parameters=estimates(fit, found, explained),
         conditions=table,
         surrogate_curves=first.curves,

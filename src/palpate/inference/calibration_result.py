@@ -41,7 +41,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class CalibrationOutcome:
     """What a calibration found.
 
     Attributes
@@ -111,3 +111,16 @@ class Calibration:
         """
         content = asdict(self)
         return {name: content[name] for name in content if not name.endswith("_curves")} | extra
+
+
+def rmse(content: Mapping[str, Any], role: str, unit: str = "nm") -> float | None:
+    """Return the root mean square error over the conditions of a role, in nm or mN; None where there is none.
+
+    Parameters
+    ----------
+    content
+        Of ``calibration.json``.
+    """
+    entries = [entry for entry in content["conditions"].values() if entry["role"] == role]
+    errors = [entry[f"rmse_{unit}"] for entry in entries if f"rmse_{unit}" in entry]
+    return float(np.sqrt(np.mean(np.square(errors)))) if errors else None

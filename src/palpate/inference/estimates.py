@@ -1,4 +1,4 @@
-r"""Parts of a `Calibration`: estimates with 95 % intervals, errors and noise, in physical units and by name.
+r"""Parts of a `CalibrationOutcome`: estimates with 95 % intervals, errors and noise, in physical units and by name.
 
 Intervals are quantiles of the posterior, see `palpate.inference.posterior`: of curves to second order about the
 estimate, with the noise of the recordings, the error of the solver, the discrepancy of the law, and the prior of

@@ -14,8 +14,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.errors import InputError, located_in
-from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.recorded_test import COLOURS
+from palpate.output.shown import Shown, axes_for, extent
 from palpate.recordings.readers import (
     CORRECTIONS,
     ColumnMap,
@@ -90,7 +90,8 @@ class MeasuredTest(Shown):
             return segments(self.time, self.load)
         return []
 
-    def _sentences(self) -> list[str]:
+    def sentences(self) -> list[str]:
+        """Return sentences on it."""
         parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
         return [
             extent(self.load, self.depth, float(np.ptp(self.time))),
