@@ -47,19 +47,19 @@ def diagnosis(verdict="identified", candidates=None, **more):
     after = {"estimate": 3.304, "lower": 3.22, "upper": 3.40, "identified": bool(candidates) or verdict == "adequate"}
     base = {
         "mechanisms": [],
+        "probability": 0.0,
         "log_evidence": -194.2,
-        "p_value": 0.001,
         "rmse_nm": 3.7,
         "parameters": {},
         "material": {},
     }
-    with_drift = {"mechanisms": ["thermal_drift"], "log_evidence": -32.0, "p_value": 0.4, "rmse_nm": 1.6}
+    with_drift = {"mechanisms": ["thermal_drift"], "probability": 1.0, "log_evidence": -32.0, "rmse_nm": 1.6}
     return {
         "verdict": verdict,
         "p_value": 0.001,
         "location": [part | {"part": "early"}, part | {"part": "late", "residual_nm": -2.0, "q_value": 0.5}],
         "missing": None,
-        "similarity": [],
+        "model_free": [],
         "mechanisms": ["thermal_drift"] if verdict == "identified" else [],
         "candidates": candidates,
         "discriminating_test": None,

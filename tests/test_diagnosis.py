@@ -16,7 +16,6 @@ from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.limits import outside
 from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
-from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.search import Search
 from palpate.inference.contrasts import Replicates, contrasts
 from palpate.inference.covariance import errors, model_covariance, noise_of
@@ -237,33 +236,6 @@ def test_what_is_missing_grows_with_the_load_where_the_recordings_say_so():
     without = [trend(lambda c, r: 0.0, seed)["p_value"] for seed in range(3, 13)]
     assert min(without) > 1e-3
     assert max(without) > 0.1
-
-
-def pair_of_tests(compliance, replicates):
-    """Return two tests of one shape, by a closed form that obeys the law but for its constant and a compliant frame."""
-    pair = [
-        Condition(name, "calibrate", trapezoid(load, 20, 10, 20, points=60)) for name, load in (("p", 1.0), ("q", 4.0))
-    ]
-    rng, observed = np.random.default_rng(4), {}
-    for condition in pair:
-        time, load = condition.protocol.sample_time, condition.protocol.sample_load
-        flow = np.cumsum(load * np.diff(time, prepend=0.0))
-        depth = 500 * np.sqrt(load + 0.01 * flow) + compliance * load
-        rows = [depth * (1 + 0.01 * rng.standard_normal()) + rng.standard_normal(60) for _ in range(replicates)]
-        observed[condition.name] = Observation(time, np.array(rows), "calibrate")
-    return problem(observed, tuple(pair))
-
-
-def test_the_sharp_tips_law_notices_an_instrument_but_no_material():
-    quiet, framed = (similarity(fitted(pair_of_tests(compliance, 4)))[0] for compliance in (0.0, 8.0))
-    assert quiet["p_value"] > 0.01
-    assert framed["p_value"] < 1e-3
-    assert framed["difference_percent"] > 0.5
-
-
-def test_the_law_of_a_sharp_tip_is_tested_without_replicates_too():
-    (row,) = similarity(fitted(pair_of_tests(8.0, 1)))
-    assert 0.0 <= row["p_value"] <= 1.0
 
 
 def test_segments_of_a_trapezoid():

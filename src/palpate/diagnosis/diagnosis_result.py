@@ -17,7 +17,6 @@ from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import Account, discriminating_test
 from palpate.diagnosis.nothing_further import nothing_further
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.scaling_check import similarity
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Candidate
 from palpate.diagnosis.undetected import largest_undetected
@@ -236,7 +235,6 @@ def to_mapping(
         "location": location,
         "pattern": _pattern(study, base, residuals, location, screen),
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
-        "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "inclusion": dict(sorted(diagnosis.inclusion.items(), key=lambda each: -each[1])),
         "family_inclusion": dict(sorted(diagnosis.family_inclusion.items(), key=lambda each: -each[1])),

@@ -78,7 +78,7 @@ def of_diagnosis(content: Mapping[str, Any], study: Study, files: Sequence[str |
     explanations = []
     for row in content["tried"]:
         title = " + ".join(row["mechanisms"]) or "base model"
-        found = {"fitted_nm": row["rmse_nm"], "log_evidence": row["log_evidence"], "p_value": row["p_value"]}
+        found = {"fitted_nm": row["rmse_nm"], "log_evidence": row["log_evidence"], "probability": row["probability"]}
         found |= row["parameters"] | row["material"]
         tags = {**of, "mechanisms": "+".join(row["mechanisms"]) or "none"}
         explanations.append(Run(f"explanation {title}", "explanation", tags, params, found))

@@ -19,10 +19,11 @@ WORDS = {"calibrate": "fitted", "validate": "held out"}
 MOST_PARTS = 12  # rows of the table of misfits
 Picture = Callable[[str], str]  # a figure by its name, with its caption, or nothing
 EXACT = {
-    "similarity": (
-        "Scaling law of a sharp tip",
-        "For a sharp tip on a homogeneous body, depth / sqrt(load) at equal times cannot depend on the largest load, "
-        "whatever the material's law. Where it does, the model lacks a length scale or an effect of the instrument.",
+    "model_free": (
+        "Facts without a model",
+        "What the recordings show before any law of the material is fitted, with 95 % intervals. One in twenty of "
+        "these misses the truth by chance; where an interval excludes what is found without any effect, the mechanisms that "
+        "it suggests are listed.",
     ),
     "laws": (
         "Amplitudes from exact laws",
@@ -153,8 +154,8 @@ def _explanations(found: Answer, picture: Picture) -> list[str]:
     every = pd.DataFrame(
         {
             "explanation": [titles_of(entry["mechanisms"]) for entry in found.diagnosis.content["tried"]],
+            "probability": [percent(value) for value in tried["probability"]],
             "log evidence": [f"{value:.1f}" for value in tried["log_evidence"]],
-            "p-value": [rounded(value, 2) for value in tried["p_value"]],
             "error [nm]": [rounded(value, 2) for value in tried["rmse_nm"]],
             "accepted": tried["accepted"],
         }

@@ -149,13 +149,13 @@ class Diagnosis(Shown):
 
     @property
     def tried(self) -> pd.DataFrame:
-        """Every explanation that was fitted, best first: mechanisms, log_evidence, p_value, rmse_nm, accepted."""
+        """Every explanation that was fitted, best first: mechanisms, probability, log_evidence, rmse_nm, accepted."""
         base: list[list[str]] = [[]] if self.verdict == "adequate" else []
         accepted = base + [candidate["mechanisms"] for candidate in self.content["candidates"]]
         return pd.DataFrame(
             {
                 "mechanisms": " + ".join(entry["mechanisms"]) or "base model",
-                **{key: entry[key] for key in ("log_evidence", "p_value", "rmse_nm")},
+                **{key: entry[key] for key in ("probability", "log_evidence", "rmse_nm")},
                 "accepted": entry["mechanisms"] in accepted,
             }
             for entry in self.content["tried"]
