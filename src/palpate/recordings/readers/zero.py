@@ -39,7 +39,7 @@ Contact = str | float | Mapping[str, float]
 CONTACTS = ("file", "auto", "none")
 FOUND, GIVEN = "found by palpate", "given by the user"
 DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
-WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
+WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "smooth": "a slow curve"}
 OFF_ZERO = 0.05  # of the way to the largest load
 LAST_FREE = 10  # points of an approach from which the load without contact is taken
 
