@@ -25,6 +25,7 @@ CLEAR = 6.0  # standard deviations of the noise, beyond which a channel has move
 MOSTLY = 0.95  # of the largest load, where the loading ends
 FAR = 8.0  # ways in, chosen: farther air adds nothing to the baseline, and steps along it would miss the test
 STILL = 0.05  # of the load's range, chosen: within which the load in far air varies
+ROUNDING = 1e-9  # of a channel's range: what floating point makes of equal values
 BESIDE = 3  # points on either side of contact, chosen: their steps show how far apart points are there
 MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
@@ -96,7 +97,7 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
     instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
     first = last + 1 - len(path)
-    noise, error = max(noise_of(force), 1e-6 * float(np.ptp(load))), noise_of(path)
+    noise, error = max(noise_of(force), _digit(force) / 12**0.5, 1e-6 * float(np.ptp(load))), noise_of(path)
     duration, span, way = (float(np.ptp(channel)) for channel in (instants, force, path))
     clock, shares = (instants - instants[0]) / duration, (path - path[0]) / way
     approach = retreated or begins_in_air(clock, force / span, shares)
@@ -112,6 +113,12 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     beside = max(error, apart)
     lower, upper = min(lower - error, contact - beside), max(upper + error, contact + beside)
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
+
+
+def _digit(values: np.ndarray) -> float:
+    """Return the step of the digits in which a channel (n,) is written; a value is off by 1/sqrt(12) of it."""
+    steps = np.diff(np.unique(values))
+    return float(steps[steps > ROUNDING * np.ptp(values)].min(initial=np.ptp(values)))
 
 
 def _without_far_air(

@@ -9,9 +9,9 @@ and
 
     C = noise of the load + (slope of the load x noise of the depth)^2 + (delta R)^2 exp(-|log x - log x'|),
 
-where x is the way beyond the contact on trial and R how far the load has risen for good. The last term is what no law
-describes: a soft layer, a crack, a pop-in. It acts beyond contact only, and deep points count the less the larger delta
-is. Coefficients b, k and the scale s are integrated out, laws and delta are averaged over.
+where R is how far the load has risen for good and x the way from where it begins to. The last term is what no law
+describes: a soft layer, a crack, a pop-in. It acts beyond the contact on trial only, and deep points count the less the
+larger delta is. Coefficients b, k and the scale s are integrated out, laws and delta are averaged over.
 
 Sources: M.C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B 63 (2001) 425-464 (a law's discrepancy as a Gaussian process);
 M. Plummer, Stat. Comput. 25 (2015) 37-43 (parts of a model that learn from some of the data only).
@@ -68,10 +68,11 @@ def log_posterior(blocks: Blocks, rise: Rise, baseline: Baseline, contacts: np.n
     terms, spread = baseline.columns(blocks), baseline.deviations
     width = terms.shape[1]
     loads = loads_of_laws(depth, contacts, float(depth.max())).transpose(1, 0, 2)
-    way = np.maximum(depth - contacts[:, None], 0.0)
-    far = np.log(np.maximum(way, 1e-6))
-    body = np.where(way > 0.0, rise.risen, 0.0)
-    process = body[:, :, None] * body[:, None, :] * np.exp(-np.abs(far[:, :, None] - far[:, None, :]))
+    first = max(int(np.argmax(rise.risen > 0.0)) - 1, 0)
+    far = np.log(np.maximum(np.maximum.accumulate(depth) - depth[first], 1e-6))
+    process = np.outer(rise.risen, rise.risen) * np.exp(-np.abs(np.subtract.outer(far, far)))
+    beyond = depth > contacts[:, None]
+    process = np.where(beyond[:, :, None] & beyond[:, None, :], process, 0.0)
     known = np.column_stack([blocks.load, terms])
     columns = np.concatenate([np.broadcast_to(known, (len(contacts), *known.shape)), loads], axis=2)
     degrees, largest = size + baseline.count - 2, float(rise.risen.max())

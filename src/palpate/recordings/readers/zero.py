@@ -238,9 +238,12 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
 
 
 def _under_load(r: Recording) -> tuple[str, ...]:
-    """Return a warning where a test begins under load at zero depth: one of them is not counted from contact."""
+    """Return a warning where a test begins under load at zero depth: one of them is not counted from contact.
+
+    A load that reads less than zero there is counted from elsewhere, too.
+    """
     peak = int(np.argmax(r.load))
-    if r.load[0] <= OFF_ZERO * r.load[peak] or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
+    if abs(r.load[0]) <= OFF_ZERO * (r.load[peak] - min(r.load[0], 0.0)) or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
         return ()
     return (
         f"begins under {r.load[0]:.4g} of {r.load[peak]:.4g} mN at a depth of {r.depth[0]:.4g} nm: the load, or the "
