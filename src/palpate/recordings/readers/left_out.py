@@ -75,7 +75,7 @@ def _other_header(table: Table, columns: ColumnMap) -> InputError:
     rows = [{called(cell) for cell in row} for row in table.rows]
     wanted = [columns.names[key] for key in CHANNELS]
     absent = min(([name for name in wanted if called(name) not in row] for row in rows), key=len)
-    named = max((len({channel_of(cell) for cell in row if isinstance(cell, str)} & {*CHANNELS}) for row in table.rows))
+    named = max(len({channel_of(cell) for cell in row if isinstance(cell, str)} & {*CHANNELS}) for row in table.rows)
     remedy = "it is no test, unless it holds these under other names"
     if named == len(CHANNELS):
         remedy = f"if it is a test, read it in a call of its own by its own names ({header_of([table])})"
