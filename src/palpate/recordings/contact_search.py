@@ -162,7 +162,7 @@ def _learnt(loading: Loading, air_end: float) -> Learnt:
     reached = np.maximum.accumulate(even.depth)
     base, sure = _without_contact(loading, baselines[0], air, even)
     clear = _for_good(even.load - base - CLEAR * sure) > 0.0
-    risen = _risen(even, base, baselines[0], loading.white)
+    risen = _risen(even, base, baselines[0], air, loading.white)
     depths = [float(reached[int(np.argmax(risen >= share * risen.max()))]) for share in (HIGHEST, UPPER)]
     return Learnt(air, baselines, float(reached[int(np.argmax(clear))] if clear.any() else reached[-1]), *depths)
 
@@ -191,7 +191,7 @@ def _posterior(loading: Loading, airs: Sequence[Learnt], grid: np.ndarray) -> tu
     for each in airs:
         blocks = loading.blocks(float(grid[0]), float(grid[-1]), max(each.end, float(grid[-1])))
         base, _ = _without_contact(loading, each.baselines[0], each.air, blocks)
-        risen = _risen(blocks, base, each.baselines[0], loading.white)
+        risen = _risen(blocks, base, each.baselines[0], each.air, loading.white)
         rise = Rise(risen, _slopes(blocks.depth, risen) * loading.depth_noise)
         parts = [log_posterior(blocks, rise, one, grid, loading.white) for one in each.baselines]
         weights = np.array([one.weight for one in each.baselines])
@@ -213,11 +213,15 @@ def _without_contact(
     return baseline.forecast(air, blocks, loading.white)
 
 
-def _risen(blocks: Blocks, base: np.ndarray, baseline: Baseline, white: float) -> np.ndarray:
-    """Return by how much the load stands clear of its noise about a baseline (n,) for good."""
+def _risen(blocks: Blocks, base: np.ndarray, baseline: Baseline, air: Blocks | None, white: float) -> np.ndarray:
+    """Return by how much the load stands clear of its noise about a baseline (n,) for good.
+
+    Far from the air a slope that is badly known would lead anywhere: there the baseline stays among the loads in air.
+    """
     rough = baseline.noise.amplitude if baseline.noise.kind == "correlated" else 0.0
     noise = baseline.scale * np.sqrt(white**2 / blocks.count + rough**2)
-    return _for_good(blocks.load - base - CLEAR * noise)
+    within = base if air is None else np.clip(base, air.load.min(), air.load.max())
+    return _for_good(blocks.load - within - CLEAR * noise)
 
 
 def _whole_range(low: float, learnt: Learnt) -> np.ndarray:

@@ -20,7 +20,6 @@ NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
 ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
 TOGETHER = 1_000_000  # points, looked at at once
 FINDS = "--contact auto finds the contact"
-VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is reported
 
 
 def air_before(recording: Recording) -> ContactPoint | None:

@@ -14,11 +14,11 @@ from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.recordings.borne_load import LEAST_RISE, check_borne
 from palpate.recordings.contact_interval import interval_note
+from palpate.recordings.contact_of_replicates import VAGUE
 from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, touch_at
 from palpate.recordings.readers.in_air import (
     FINDS,
     SHARE,
-    VAGUE,
     air_at_start,
     air_before,
     retreat_before,
