@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from palpate.diagnosis.locate import CERTAIN
+from palpate.mechanisms import MECHANISMS
 from palpate.output.figures import curves, residuals
 from palpate.output.html_report import paragraph, table
 from palpate.output.results.answer import Answer
@@ -22,8 +23,8 @@ EXACT = {
     "model_free": (
         "Facts without a model",
         "What the recordings show before any law of the material is fitted, with 95 % intervals. One in twenty of "
-        "these misses the truth by chance; where an interval excludes what is found without any effect, the mechanisms that "
-        "it suggests are listed.",
+        "these misses the truth by chance; where an interval excludes what is found without any effect, the mechanisms "
+        "that it suggests are listed.",
     ),
     "laws": (
         "Amplitudes from exact laws",
@@ -205,13 +206,20 @@ def _identifiability(found: Answer) -> list[str]:
     return pieces
 
 
+def _joined(value: Any) -> Any:
+    """Return a list as text, mechanisms by their titles."""
+    return (
+        ", ".join(MECHANISMS[each].title if each in MECHANISMS else each for each in value)
+        if isinstance(value, list)
+        else value
+    )
+
+
 def _exact(content: Mapping[str, Any]) -> list[str]:
     pieces = []
     for key, (heading, text) in EXACT.items():
         if rows := content[key]:
-            flat = [
-                {**row, "conditions": " and ".join(row["conditions"])} if "conditions" in row else row for row in rows
-            ]
+            flat = [{name: _joined(value) for name, value in row.items()} for row in rows]
             pieces += [f"<h3>{heading}</h3>", paragraph(text), table(pd.DataFrame(flat))]
     return pieces
 
