@@ -126,7 +126,7 @@ class _Density:
         first = fit.marginal(np.column_stack([left[:, 0], -left[:, 1 : k + 1]]))
         likely = first.log_prior + first.log_densities(PRIOR_VARIANCE)
         counts = likely > likely.max() + np.log(NEGLIGIBLE)
-        kept = Marginal(*(getattr(first, name)[counts] for name in Marginal.__dataclass_fields__))
+        kept = first.restricted(counts)
         return cls(curvature, flat.products[counts] / ratio, (flat.log_prior - flat.half_log_det)[counts], kept)
 
     def first_order(self) -> _Mixture:
