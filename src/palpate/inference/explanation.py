@@ -189,7 +189,7 @@ class Fit:
         The size of the law's discrepancy is the likeliest one, and counts with its prior.
         """
         noise, law = self.errors.noise, self.errors.law
-        prior = law.log_prior if law and law.size.share else 0.0
+        prior = law.log_prior if law and law.share else 0.0
         return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume + prior
 
     @cached_property
@@ -240,21 +240,20 @@ class Fit:
             return self
         marginal, density = self._sizes
         likeliest = int(np.argmax(density))
-        law = self.errors.law.sized(marginal.sizes[likeliest])
+        law = self.errors.law.sized(float(marginal.shares[likeliest]), float(marginal.own[likeliest]))
         return replace(self, errors=replace(self.errors, law=law))
 
     def alike(self, other: Fit) -> bool:
         """Return whether another fit's discrepancy of the law has about the same size."""
         own, others = self.errors.law, other.errors.law
-        if own is None or others is None or not others.size.share:
+        if own is None or others is None or not others.share:
             return own is others
-        same = replace(own.size, share=others.size.share) == others.size
-        return same and abs(np.log(own.size.share / others.size.share)) < SAME_SIZE
+        return abs(np.log(own.share / others.share)) < SAME_SIZE and own.own == others.own
 
-    def law_share(self, quantiles: Sequence[float]) -> np.ndarray:
-        """Return quantiles of the root mean square that the best parameters leave, as a share of the depth [-].
+    def law_share(self, quantiles: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Return quantiles of what the best parameters leave without noise, a root mean square in shares of the depth.
 
-        It is what the law leaves without noise; each size of its discrepancy counts with its probability.
+        Each size of the law's discrepancy counts with its probability; it is zero where the law is taken to be exact.
         """
         if self.errors.law is None:
             return np.zeros(len(quantiles))
