@@ -14,7 +14,6 @@ from studies.coverage.sets import RIGHT, Case
 from studies.coverage.solid import RANGES
 
 RESOLVED = 0.99  # of the compliance that acts within the shortest interval between samples, the least elastic part
-GROUPS = ("law", "replicated", "tests")  # by which sets are told apart
 
 
 def row(case: Case, fit: Mapping[str, Any]) -> dict[str, Any]:
@@ -53,6 +52,18 @@ def row(case: Case, fit: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
+def table(cases: Mapping[str, Case], fits: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Return the rows of all fits."""
+    return pd.DataFrame([row(cases[fit["name"]], fit) for fit in fits])
+
+
+def of_law_errors(table: pd.DataFrame) -> pd.DataFrame:
+    """Return, for the sets that were fitted with several `law_error`, what the modulus' intervals hold, and widths."""
+    several = table[table.groupby("name")["law_error"].transform("size") > 1]
+    columns = {"sets": ("name", "size"), "share": ("youngs_modulus.holds", "mean")}
+    return several.groupby(["law", "law_error"]).agg(**columns, median_width=("youngs_modulus.width", "median"))
+
+
 def wilson(held: int, count: int, confidence: float = 0.95) -> tuple[float, float]:
     """Return Wilson's interval of a proportion (E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209-212)."""
     z = float(norm.isf(0.5 - confidence / 2))
@@ -79,9 +90,9 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _shares(label: str, quantity: str, held: Sequence[bool], width: pd.Series | None) -> dict[str, Any]:
-    count, of = len(held), int(np.sum(held))
+def _shares(label: str, quantity: str, held: pd.Series, width: pd.Series | None) -> dict[str, Any]:
+    count, of = len(held), int(held.sum())
     lower, upper = wilson(of, count)
     found = {"class": label, "quantity": quantity, "intervals": count, "share": of / count}
-    median = float(width.loc[held.index].median()) if width is not None else np.nan  # type: ignore[attr-defined]
+    median = float(width.loc[held.index].median()) if width is not None else np.nan
     return found | {"lower": lower, "upper": upper, "median_width": median}

@@ -7,8 +7,9 @@ what the best Burgers solid leaves, as a share of the depth.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -19,6 +20,7 @@ from palpate.configuration.study_file import Condition
 from palpate.inference.observation import Observation
 from palpate.mechanisms.draws import log_uniform
 from palpate.study.protocol import trapezoid
+from palpate.workflow_support.result_files import checksum, write_json
 from studies.coverage.creep import POISSON_RATIO, burgers, cole_cole, depth, log_normal, power
 from studies.coverage.solid import RANGES
 
@@ -81,12 +83,16 @@ class Case:
         return tuple(_condition(number, *test) for number, test in enumerate(self.tests))
 
 
-def draw(count: int, seed: int, wrong: Sequence[str] = WRONG) -> list[Case]:
-    """Draw sets: one in three of the right law; one to six tests and one to three replicates in turn."""
-    rng, cases = np.random.default_rng(seed), list[Case]()
-    for number in range(count):
+def draw(numbers: Iterable[int], seed: int, wrong: Sequence[str] = WRONG) -> list[Case]:
+    """Draw the sets of these numbers, each from a stream of its own.
+
+    One in three is of the right law. The numbers of tests and of replicates, and the kind of creep, come in turn.
+    """
+    cases = list[Case]()
+    for number in numbers:
+        rng = np.random.default_rng([seed, number])
         tests, replicates = 1 + number % 6, 1 + number // 6 % 3
-        family = RIGHT if number // 18 % 3 == 0 else wrong[number // 18 % len(wrong)]
+        family = RIGHT if (number + number // 6) % 3 == 0 else wrong[(number // 3 + number // 18) % len(wrong)]
         while not (drawn := _drawn(family, tests, rng)):
             pass
         noise = {
@@ -113,10 +119,13 @@ def recordings(case: Case) -> dict[str, Observation]:
     return found
 
 
-def best_burgers(truth: Compliance, conditions: Sequence[Condition]) -> tuple[dict[str, float], float]:
+def best_burgers(
+    truth: Compliance, conditions: Sequence[Condition], times: Sequence[float] = (5.0, 50.0)
+) -> tuple[dict[str, float], float]:
     """Return the Burgers solid closest to the depths of a compliance, and the misfit it leaves.
 
-    The misfit is the root mean square of the difference, as a share of the largest depth so far.
+    The misfit is the root mean square of the difference, as a share of the largest depth so far. Searches begin at
+    retardation `times` [s].
     """
     protocols = [condition.protocol for condition in conditions]
     exact = [depth(truth, protocol) for protocol in protocols]
@@ -128,8 +137,8 @@ def best_burgers(truth: Compliance, conditions: Sequence[Condition]) -> tuple[di
 
     lower, upper = np.log(np.array(list(RANGES.values())).T) + np.array([[-1.0], [1.0]]) * np.log(10.0)
     first = np.log([(1.0 - POISSON_RATIO**2) / truth.instantaneous, 1e-3, 0.1, np.nan])
-    starts = [np.append(first[:3], np.log(time)) for time in (5.0, 50.0)]
-    found = min((least_squares(left, x, bounds=(lower, upper), xtol=1e-5) for x in starts), key=lambda each: each.cost)
+    starts = [np.append(first[:3], np.log(time)) for time in times]
+    found = min((least_squares(left, x, bounds=(lower, upper), xtol=1e-4) for x in starts), key=lambda each: each.cost)
     values = dict(zip(RANGES, np.exp(found.x).tolist(), strict=True))
     return values, float(np.sqrt(np.mean(found.fun**2)))
 
@@ -157,10 +166,11 @@ def _drawn(
     creep, misfit = 0.5 * elastic, np.nan
     for _ in range(3):
         truth = Compliance(elastic, 0.5 * rate, tuple((creep * share, time) for share, time in elements))
-        values, misfit = best_burgers(truth, conditions)
+        _, misfit = best_burgers(truth, conditions, (15.0,))
         if abs(np.log(misfit / wanted)) < 0.2:
             break
         creep = min(creep * wanted / misfit, MOST_CREEP * elastic)
+    _, misfit = best_burgers(truth, conditions)
     within = MISFIT[0] <= misfit <= MISFIT[1] and abs(np.log(misfit / wanted)) < 0.5
     return (vars(truth), {}, misfit, tests) if within else None
 
@@ -177,3 +187,9 @@ def _elements(family: str, rng: np.random.Generator) -> tuple[tuple[float, float
         exponent = rng.uniform(0.1, 0.5) if family == "power" else 0.0
         return power(exponent, shortest, shortest * log_uniform(rng, 30.0, 1000.0))
     return cole_cole(log_uniform(rng, 5.0, 100.0), rng.uniform(0.4, 0.8))
+
+
+def seal(cases: list[Case], path: Path) -> str:
+    """Write the truth of sets to one file and return its SHA-256."""
+    write_json(path, [asdict(case) for case in cases])
+    return checksum(path)

@@ -143,12 +143,11 @@ class Discrepancy:
 @lru_cache(maxsize=32)
 def _correlated(protocols: tuple[Protocol, ...], sharp: bool) -> tuple[np.ndarray, np.ndarray]:
     """Return factors (n, m) and (n, m') of the correlation of x, and of that within each test alone."""
-    features = [_features(protocol, sharp) for protocol in protocols]
-    every = np.vstack(features)
-    return _factor(_kernel(every)), block_diag(*(_factor(_kernel(each)) for each in features))
+    of_tests = [features(protocol, sharp) for protocol in protocols]
+    return _factor(kernel(np.vstack(of_tests))), block_diag(*(_factor(kernel(each)) for each in of_tests))
 
 
-def _features(protocol: Protocol, sharp: bool) -> np.ndarray:
+def features(protocol: Protocol, sharp: bool) -> np.ndarray:
     """Return what the process depends on, (n_points, f), in units of the distances over which it forgets."""
     time = protocol.sample_time
     before = protocol.drive_at(np.outer(time, 1.0 - AGO).ravel()).reshape(len(time), -1)
@@ -159,7 +158,7 @@ def _features(protocol: Protocol, sharp: bool) -> np.ndarray:
     return np.column_stack([np.log(time) / TIMES, history / HISTORIES, lengths])
 
 
-def _kernel(features: np.ndarray) -> np.ndarray:
+def kernel(features: np.ndarray) -> np.ndarray:
     """Return the correlation (n, n) between points with these features (n, f)."""
     squares = np.sum(features**2, axis=1)
     distance = squares[:, None] + squares[None] - 2.0 * features @ features.T
