@@ -65,7 +65,7 @@ def protocols() -> list[Protocol]:
 
 
 def materials(rng: np.random.Generator, count: int) -> Iterator[tuple[str, Creep]]:
-    """Yield kinds of creep that differ from the Burgers solid, a tenth to six tenths of the elastic part in a minute."""
+    """Yield kinds of creep that differ from the Burgers solid: 0.1 to 0.6 of the elastic part after a minute."""
     for number in range(count):
         elastic = (1.0 - POISSON_RATIO**2) / rng.uniform(2.0, 5.0)
         strength, family = elastic * rng.uniform(0.1, 0.6), ("power", "logarithmic", "stretched")[number % 3]
@@ -129,7 +129,9 @@ def tables() -> tuple[pd.DataFrame, pd.DataFrame]:
         for name, correlation in structures().items()
         for fit in fits
     ]
-    moduli = pd.DataFrame([{"family": f.family, "misfit": f.rms, "modulus_over_misfit": f.modulus / f.rms} for f in fits])
+    moduli = pd.DataFrame(
+        [{"family": f.family, "misfit": f.rms, "modulus_over_misfit": f.modulus / f.rms} for f in fits]
+    )
     means = pd.DataFrame(rows).pivot_table("log_likelihood", "structure", "family", margins=True, margins_name="all")
     return means.drop("all").sort_values("all", ascending=False), moduli
 

@@ -6,9 +6,9 @@ features f(z) of the curves,
 
     p(z) ~ sum over sizes q of prior_q |C_q|^(-1/2) exp(-f' (X' C_q^-1 X) f / 2 - beyond(z)^2 / 2).
 
-A law that lacks creep at short times takes it for elasticity. Fits of Burgers solids to power, logarithmic and stretched
-creep leave a modulus that is too low, its logarithm by 6 to 52 times the root mean square misfit as a share of the depth
-(`studies.coverage.structure`); recordings cannot tell, as the misfit is the smallest there. So the draws of Young's
+A law that lacks creep at short times takes it for elasticity. Fits of Burgers solids to power, logarithmic and
+stretched creep leave a modulus that is too low, its logarithm by 6 to 52 times the root mean square misfit as a share
+of the depth (`studies.coverage.structure`), and hardly show it, as the misfit is least there. So the draws of Young's
 modulus are raised by the absolute value of a normal deviate, of `AT_ONCE` times the misfit's posterior.
 
 Proposals come from a mixture of Student's distributions, first one for each size, to first order; then, as long as the
