@@ -15,7 +15,7 @@ from palpate.study.protocol import trapezoid
 from studies.coverage.creep import HALF_ANGLE, POISSON_RATIO, burgers, depth
 from studies.coverage.fits import SCALE
 from studies.coverage.score import wilson
-from studies.coverage.sets import RIGHT, draw, recordings
+from studies.coverage.sets import draw, recordings
 from studies.coverage.solid import MATERIAL, BurgersSolid
 
 SOLID = burgers(3.0, 0.001, 0.1, 20.0)
@@ -117,8 +117,8 @@ def fit_of(case, law_error):
 @pytest.fixture(scope="module")
 def wrong():
     """A set of three tests and two replicates whose material creeps otherwise than the law."""
-    numbers = (number for number in range(1000) if number % 6 == 2 and number // 6 % 3 == 1)
-    case = next(case for number in numbers for case in draw([number], 5) if case.family != RIGHT and case.misfit > 2e-3)
+    numbers = range(8, 1000, 18)
+    case = next(case for number in numbers for case in draw([number], 5) if case.misfit > 2e-3)
     return case, fit_of(case, 0.0025), fit_of(case, 0.0)
 
 

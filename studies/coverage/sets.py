@@ -92,7 +92,8 @@ def draw(numbers: Iterable[int], seed: int, wrong: Sequence[str] = WRONG) -> lis
     for number in numbers:
         rng = np.random.default_rng([seed, number])
         tests, replicates = 1 + number % 6, 1 + number // 6 % 3
-        family = RIGHT if (number + number // 6) % 3 == 0 else wrong[(number // 3 + number // 18) % len(wrong)]
+        turn = number + number // 18  # so that each number of tests and replicates has every law
+        family = RIGHT if turn % 3 == 0 else wrong[(turn + number // 54) % len(wrong)]
         while not (drawn := _drawn(family, tests, rng)):
             pass
         noise = {
