@@ -9,7 +9,8 @@ features f(z) of the curves,
 A law that lacks creep at short times takes it for elasticity. Fits of Burgers solids to power, logarithmic and
 stretched creep leave a modulus that is too low, its logarithm by 6 to 52 times the root mean square misfit as a share
 of the depth (`studies.coverage.structure`), and hardly show it, as the misfit is least there. So the draws of Young's
-modulus are raised by the absolute value of a normal deviate, of `AT_ONCE` times the misfit's posterior.
+modulus are raised by the positive part of a normal deviate, of `AT_ONCE` times the misfit's posterior: the law may or
+may not lack such creep.
 
 Proposals come from a mixture of Student's distributions, first one for each size, to first order; then, as long as the
 weights are uneven, about draws of the round before (population Monte Carlo: O. Cappe et al., J. Comput. Graph. Stat. 13
@@ -33,7 +34,7 @@ ROUNDS = 6
 ENOUGH = 1200.0  # effective number of draws among the proposals, with which no further round follows
 CENTRES = 60  # draws of the round before about which the next round proposes
 NARROWER = 0.35  # covariance about each of them, as a share of that of all draws
-AT_ONCE = 30.0  # of ln(modulus), over the misfit's share of the depth: 95 % lie between 1 and 67
+AT_ONCE = 30.0  # of ln(modulus), over the misfit's share of the depth: 97.5 % lie below 59
 MODULUS = "youngs_modulus"
 FREEDOM = 5.0  # degrees of freedom of Student's distribution, whose tails reach beyond a bent density
 NEGLIGIBLE = 1e-5  # weight of a size, relative to the largest, below which it is left out
@@ -65,7 +66,7 @@ def _with_creep_at_once(fit: Fit, draws: np.ndarray, rng: np.random.Generator) -
         return draws
     place = names.index(MODULUS)
     modulus, shares = fit.coordinates.free[place], fit.law_share(rng.random(len(draws)))
-    more = AT_ONCE * shares * np.abs(rng.standard_normal(len(draws)))
+    more = AT_ONCE * shares * np.maximum(rng.standard_normal(len(draws)), 0.0)
     raised = draws.copy()
     raised[:, place] = modulus.scaled(modulus.physical(draws[:, place]) * np.exp(more))
     return raised
