@@ -251,17 +251,24 @@ class Fit:
         return abs(np.log(own.share / others.share)) < SAME_SIZE and own.own == others.own
 
     def within(self, tolerance: float) -> float:
-        """Return the probability that the law departs from the recordings by no more than a share of the depth."""
-        marginal, density = self._sizes
-        return float(np.exp(logsumexp(density[marginal.shares <= tolerance]) - logsumexp(density)))
+        """Return the probability that the best parameters leave no more than a share of the depth, see `law_share`."""
+        if self.errors.law is None:
+            return 1.0
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        return float(np.exp(density - logsumexp(density)) @ (left <= tolerance))
 
-    def law_share(self, quantiles: Sequence[float]) -> np.ndarray:
-        """Return quantiles of the posterior of the discrepancy's standard deviation, as a share of the depth [-]."""
-        marginal, density = self._sizes
-        shares = np.unique(marginal.shares)
-        weights = np.array([np.exp(density[marginal.shares == share] - density.max()).sum() for share in shares])
+    def law_share(self, quantiles: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Return quantiles of what the best parameters leave without noise, a root mean square in shares of the depth.
+
+        Each size of the law's discrepancy counts with its probability; it is zero where the law is taken to be exact.
+        """
+        if self.errors.law is None:
+            return np.zeros(len(quantiles))
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        order = np.argsort(left)
+        weights = np.exp(density - density.max())[order]
         middle = np.cumsum(weights) - 0.5 * weights
-        return np.exp(np.interp(quantiles, middle / weights.sum(), np.log(np.maximum(shares, 1e-12))))
+        return np.exp(np.interp(quantiles, middle / weights.sum(), np.log(left[order])))
 
     @cached_property
     def log_evidence(self) -> float:
