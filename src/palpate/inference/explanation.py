@@ -17,33 +17,12 @@ from palpate.inference.covariance import Errors
 from palpate.inference.discrepancy import Marginal
 from palpate.inference.forward import Forward, under_each
 from palpate.inference.least_squares import central_slopes, remainder
+from palpate.inference.orthonormal import orthonormal
 from palpate.inference.problem import Explanation, Problem
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
-VANISHES = 1e-9  # standard deviations of the noise: an effect that is none
 SAME_SIZE = 0.3  # of the logarithm of the discrepancy's size, within which weights hardly change the estimate
-DEPENDENT = 1e-10  # singular value of unit columns, below which they are linearly dependent
-
-
-def orthonormal(columns: np.ndarray, beside: np.ndarray | None = None, least: float = DEPENDENT) -> np.ndarray:
-    """Return an orthonormal basis of the part of whitened columns outside that of another one; may be empty.
-
-    Parameters
-    ----------
-    columns : ndarray, shape (n_all, m)
-        Effects, some of which may vanish or be dependent.
-    beside : ndarray, shape (n_all, k), optional
-        An orthonormal basis.
-    least
-        Singular value of what is left of unit columns, below which a direction does not count.
-    """
-    scale = np.linalg.norm(columns, axis=0)
-    left = columns[:, scale > VANISHES] / scale[scale > VANISHES]
-    if beside is not None:
-        left = left - beside @ (beside.T @ left)
-    u, s, _ = np.linalg.svd(left, full_matrices=False)
-    return u[:, s > least]
 
 
 @dataclass(frozen=True, eq=False)
