@@ -75,10 +75,10 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     """Return shares of intervals that hold the truth, by class, with Wilson's intervals and median widths."""
     rows = []
     classes = {"all": table, **{f"{law} law": part for law, part in table.groupby("law")}}
-    for keys, part in table.groupby(["law", "replicated"]):
-        classes[f"{keys[0]} law, {keys[1]}"] = part
-    for keys, part in table.groupby(["law", "tests"]):
-        classes[f"{keys[0]} law, tests: {keys[1]}"] = part
+    for (law, replicated), part in table.groupby(["law", "replicated"]):
+        classes[f"{law} law, {replicated}"] = part
+    for (law, tests), part in table.groupby(["law", "tests"]):
+        classes[f"{law} law, tests: {tests}"] = part
     for name, part in table[table["law"] == "wrong"].groupby("resolved"):
         classes[f"wrong law, {'no creep' if name else 'creep'} within the first interval"] = part
     for label, part in classes.items():
