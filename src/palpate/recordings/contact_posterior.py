@@ -31,9 +31,7 @@ from palpate.recordings.baseline import Baseline
 from palpate.recordings.blocks import Blocks
 from palpate.recordings.contact_law import LOG_PRIOR, loads_of_laws
 
-TEMPER = (
-    2.0  # by which log-likelihoods are divided, chosen on development curves: neighbouring blocks share their misfit
-)
+TEMPER = 1.5  # by which log-likelihoods are divided, chosen: neighbouring blocks share what no law describes
 DISCREPANCIES = (0.003, 0.03, 0.3, 1.0)  # delta on trial
 
 
@@ -107,7 +105,7 @@ def log_posterior(blocks: Blocks, rise: Rise, baseline: Baseline, contacts: np.n
 
 
 def weighed(posteriors: Sequence[np.ndarray], weights: Sequence[float]) -> np.ndarray:
-    """Return the weights (k, deltas, laws) of a mixture of posteriors, each tempered and brought to a sum of one before."""
+    """Return the weights (k, deltas, laws) of a mixture of posteriors, each tempered and brought to a sum of one."""
     total = np.zeros_like(posteriors[0])
     for logarithm, weight in zip(posteriors, weights, strict=True):
         density = np.exp((logarithm - logarithm.max()) / TEMPER)
