@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.surrogate import PODRBF
+from palpate.surrogate.genetic import GeneticSettings, evolve
 
 TIME = np.linspace(0.01, 1.0, 100)
 

@@ -11,6 +11,7 @@ import argparse
 import ast
 import html
 import inspect
+import json
 import math
 import re
 import sys
@@ -331,6 +332,47 @@ def source(file: str) -> str:
     return f"```python\n{(SOURCE / file).read_text(encoding='utf-8')}```\n"
 
 
+def epoxy() -> dict[str, Any]:
+    """Return the answer of the epoxy study, as the report of a run left it in ``docs/data``."""
+    file = Path(__file__).parent / "data/epon862.json"
+    return json.loads(file.read_text(encoding="utf-8"))["sets"][0]
+
+
+def epoxy_answer() -> str:
+    """Return the verdict of the epoxy study, its effect, and its error, in sentences."""
+    from palpate.output.results.diagnosis import effect_sentence
+
+    found = epoxy()
+    errors = ", ".join(f"{found['held_out'][key]:.1f} nm" for key in ("before_nm", "after_nm", "noise_nm"))
+    return (
+        f"Its verdict is `{found['verdict']}`: {effect_sentence(found['effects'][0])}. Error of the held-out tests "
+        f"without the effect, with it, and by noise and scatter alone: {errors}."
+    )
+
+
+def epoxy_table() -> str:
+    """Return the parameters of the epoxy study beside the truth of its configuration."""
+    from palpate.base.yaml_file import read_yaml
+    from palpate.output.rounding import interval_of
+
+    laboratory = read_yaml(Path(__file__).parents[1] / "config/config.yaml")["laboratory"]["virtual"]
+    truth = laboratory["parameters"] | {
+        f"{key}.{name}": value for key, values in laboratory["mechanisms"].items() for name, value in values.items()
+    }
+    found = epoxy()
+    rows = (
+        (f"`{each['name']}`", unit(each["unit"]), number(truth[each["name"]]), interval_of(each),
+         interval_of(each["before"]) if "before" in each else "", "yes" if each.get("identified", True) else "no")
+        for each in (*found["effects"], *found["parameters"])
+    )  # fmt: skip
+    return table(("parameter", "unit", "truth", "accepted model (95 %)", "base model (95 %)", "identified"), rows)
+
+
+def epoxy_lines() -> str:
+    """Return the lines with which a run of the epoxy study ends."""
+    return "\n".join(["```text", *epoxy()["lines"], "```"])
+
+
 GENERATED: dict[str, Callable[..., str]] = {
     "laws": laws,
     "law_names": law_names,
@@ -341,6 +383,9 @@ GENERATED: dict[str, Callable[..., str]] = {
     "subpackages": subpackages,
     "extensions": extensions,
     "source": source,
+    "epoxy_answer": epoxy_answer,
+    "epoxy_table": epoxy_table,
+    "epoxy_lines": epoxy_lines,
 }
 
 

@@ -1,29 +1,32 @@
-"""Calibrate one condition set on one set of recordings, and draw the fit.
+"""Calibrate one condition set on one set of recordings.
 
-input: recordings (CSV), surrogates. output: result (JSON), curves (CSV), figure (PNG), record (JSON: the runs
-for MLflow). settings: `calibration`, `seed`.
+input: recordings (CSV), surrogates, summaries of all surrogates (JSON). output: result (JSON), curves (CSV), record
+(JSON: the runs for MLflow). settings: `calibration`, `seed`.
 """
 
-from palpate.output.figures import fitted_curves, style
-from palpate.recordings.recording_file import holds_synthetic
+from functools import partial
+from pathlib import Path
+
+from palpate.output.saved_set import SavedSet
 from palpate.workflow_support import job, steps
-from palpate.workflow_support.result_files import write_json
-from palpate.workflow_support.run_records import of_calibration, tracked_runs
+from palpate.workflow_support.result_files import read_json, write_json
+from palpate.workflow_support.run_records import tracked_runs
+from palpate.workflow_support.runs_of_results import of_calibration
 
 
 def main(snakemake):
     study, output = job.study(snakemake), snakemake.output
     recordings, condition_set = snakemake.wildcards.recordings, snakemake.wildcards.condition_set
-    with tracked_runs(study.name, output.record) as runs:
+    with tracked_runs(study.name, output.record) as record:
         models = dict(zip(study.condition_sets[condition_set], snakemake.input.surrogates, strict=True))
-        result, curves = steps.run_calibration(study, recordings, condition_set, models)
+        report = partial(job.note, snakemake.log[0])
+        result, curves = steps.run_calibration(study, recordings, condition_set, models, report)
         content = result.to_mapping(study=study.name, recordings=recordings, condition_set=condition_set)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
-        synthetic = holds_synthetic(study.recordings[recordings])
-        title = f"{study.title}: calibrated on the condition set “{condition_set}”"
-        style.write(output.figure, fitted_curves.compose, curves, title, synthetic)
-        runs.append(of_calibration(content, study.calibration, [output.result, output.curves, output.figure]))
+        summaries = {Path(file).stem: read_json(file) for file in snakemake.input.summaries}
+        saved = SavedSet(study, recordings, {}, {condition_set: content}, {}, surrogates=summaries)
+        record.runs.append(of_calibration(saved, condition_set, [output.result, output.curves]))
 
 
 if "snakemake" in globals():

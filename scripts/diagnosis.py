@@ -1,33 +1,27 @@
-"""Diagnose one set of recordings, beginning where calibration ended, and draw the result.
+"""Diagnose one set of recordings, beginning where calibration ended.
 
-input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV), figure (PNG), page (HTML), record
-(JSON: the runs for MLflow). settings: `diagnosis`, `calibration`, `seed`.
+input: recordings (CSV), calibration (JSON). output: result (JSON), curves (CSV), record (JSON: the runs for MLflow).
+settings: `diagnosis`, `calibration`, `seed`.
 """
 
 from functools import partial
 
 from palpate.diagnosis.study_diagnosis import run_diagnosis
-from palpate.output import diagnosis_page
-from palpate.output.figures import explained_curves, style
-from palpate.recordings.recording_file import holds_synthetic
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import estimate_of, write_json
-from palpate.workflow_support.run_records import answer_of, of_diagnosis, tracked_runs
+from palpate.workflow_support.run_records import tracked_runs
+from palpate.workflow_support.runs_of_results import of_diagnosis
 
 
 def main(snakemake):
-    study, output, answer = job.study(snakemake), snakemake.output, {}
+    study, output = job.study(snakemake), snakemake.output
     recordings, calibrated = snakemake.wildcards.recordings, estimate_of(snakemake.input.calibration)
-    with tracked_runs(study.name, output.record, answer) as runs:
-        report, synthetic = partial(job.note, snakemake.log[0]), holds_synthetic(study.recordings[recordings])
+    with tracked_runs(study.name, output.record) as record:
+        report = partial(job.note, snakemake.log[0])
         content, curves = run_diagnosis(study, recordings, calibrated, report, snakemake.threads)
         write_json(output.result, content)
         curves.to_csv(output.curves, index=False)
-        style.write(output.figure, explained_curves.compose, content, curves, study.title, synthetic)
-        diagnosis_page.write(content, study.declared, output.figure, output.page, f"{study.title}: {recordings}")
-        settings = {**study.diagnosis, "seed": study.seed}
-        runs += of_diagnosis(content, settings, [output.result, output.curves, output.page, output.figure])
-        answer.update(answer_of(content))
+        record.runs += of_diagnosis(content, study, [output.result, output.curves])
 
 
 if "snakemake" in globals():

@@ -4,6 +4,7 @@ import ast
 import re
 from collections import Counter
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,9 @@ ROOMS = """
 """.split()  # noqa: SIM905 - each may import those before it
 LEVEL = {name: k for k, name in enumerate(ROOMS)}
 FILES = sorted(SOURCE.rglob("*.py"))
+MODULES = {
+    ".".join(("palpate", *f.relative_to(SOURCE).with_suffix("").parts)).removesuffix(".__init__"): f for f in FILES
+}
 STUDIES = sorted((REPOSITORY / "studies").rglob("*.py"))
 
 
@@ -24,7 +28,8 @@ def imports(file):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield from (f"{node.module}.{a.name}" if node.module == "palpate" else node.module for a in node.names)
+            whole = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (name if name in MODULES or node.module == "palpate" else node.module for name in whole)
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: str(f.relative_to(SOURCE)))
@@ -35,6 +40,15 @@ def test_imports_point_one_way(file):
         parts = name.split(".")
         if parts[0] == "palpate" and len(parts) > 1 and parts[1] in LEVEL and own in LEVEL and parts[1] != own:
             assert LEVEL[parts[1]] < LEVEL[own], f"{own} imports {parts[1]}"
+
+
+def test_no_circle_of_imports():
+    """Neither between packages nor inside one, not even for type checking."""
+    used = {name: MODULES.keys() & (set(imports(file)) - {name}) for name, file in MODULES.items()}
+    try:
+        TopologicalSorter(used).prepare()
+    except CycleError as error:
+        pytest.fail(" imports ".join(reversed(error.args[1])))
 
 
 def test_every_room_has_its_place():
@@ -48,8 +62,8 @@ def test_no_two_modules_share_a_name():
 
 
 def test_only_scripts_and_the_command_line_know_the_tracking_module():
-    users = [f.name for f in FILES if any("tracking" in name for name in imports(f))]
-    assert users == ["track.py"]
+    users = {f.name for f in FILES if any("tracking" in name for name in imports(f))}
+    assert users == {"runs.py", "track.py", "ui.py"}
 
 
 def functions_of(tree):

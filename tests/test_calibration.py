@@ -12,7 +12,6 @@ from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
-from palpate.inference.genetic import GeneticSettings
 from palpate.inference.least_squares import Misfit
 from palpate.inference.measures import error_measures, mean_square, relative
 from palpate.inference.observation import Observation
@@ -21,6 +20,7 @@ from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
+from palpate.surrogate.genetic import GeneticSettings
 from studies.thesis.surrogate_forward import SurrogateForward
 
 PROTOCOL = trapezoid(1.0, 0.5, 0, 0.5, points=50)
@@ -179,11 +179,8 @@ def test_a_fit_ends_on_curves_of_finer_meshes_with_slopes_that_are_about_right()
     """The model errs by less than the recordings tell, and by more than the estimate may."""
 
     class Finer:
-        def __init__(self, record, u):
-            self.record, self.there, (_, self.slopes) = record, self.curves(u), record.tangents([u])[0]
-
-        def curves(self, u):
-            return Forward().curves([u])[0]
+        def curves(self, points):
+            return Forward().curves(points)
 
         def consistent(self, u, curves, slopes):
             return Forward()
@@ -193,7 +190,7 @@ def test_a_fit_ends_on_curves_of_finer_meshes_with_slopes_that_are_about_right()
             super().__init__({"slow": Family(1.01), "fast": Family(0.5)})
 
         def extrapolated(self, u):
-            return Finer(self, u)
+            return Finer(), Forward().curves([u])[0], self.tangents([u])[0][1]
 
     data = observed(np.random.default_rng(0), sigma=3.0, rho=0.0, site=0.0)
     usual = calibrated(data, Forward(Coarse().families))

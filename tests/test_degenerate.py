@@ -10,8 +10,7 @@ from palpate.configuration.study_file import study_from
 from palpate.diagnosis.detect import between_replicates, examine
 from palpate.diagnosis.screen import Screen
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.body_curves import bodies
-from palpate.inference.forward import FiniteElements
+from palpate.inference.finite_elements import FiniteElements
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
@@ -57,7 +56,7 @@ def test_a_body_that_is_impossible_under_one_condition_is_simulated_under_the_ot
     scale = Problem.of(study, {}).scale
     lagging = model.joined([MECHANISMS["controller_lag"]], scale)
     u = np.append(0.5, float(lagging.coordinates.free[1].scaled(2.0)))
-    assert list(bodies(lagging, u)) == ["A"]
+    assert list(lagging.body.possible(u)) == ["A"]
 
 
 def test_what_an_offset_adds_to_a_load_is_that_of_the_material_that_was_found():

@@ -1,6 +1,7 @@
 """Designs and their analysis: strength, the tables printed in the thesis, exact partitions of variance."""
 
 import itertools
+import sys
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from palpate.design.sampling import factorial, latin_hypercube, midpoints, sobol
 from palpate.errors import InputError
 from studies.thesis.analysis_of_variance import Anova, anova, effect
 from studies.thesis.level_reduction import reduce_levels
+from studies.thesis.libraries import library
 from studies.thesis.orthogonal_arrays import OrthogonalArray
 
 L16_OF_THE_THESIS = """1 1 1, 1 2 2, 1 3 3, 1 4 4, 2 1 2, 2 2 1, 2 3 4, 2 4 3,
@@ -174,3 +176,10 @@ def test_sequences_stay_within_bounds_and_fill_them():
 def test_a_longer_sobol_design_contains_the_shorter():
     bounds = {"a": (0.0, 1.0), "b": (0.0, 1.0)}
     assert sobol(bounds, 100, seed=2)[:40] == sobol(bounds, 40, seed=2)
+
+
+def test_a_library_that_is_missing_is_named_with_the_remedy(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pydoe", None)
+    with pytest.raises(InputError, match="library pydoe; install it: pip install pydoe"):
+        OrthogonalArray.of("L16", "abc")
+    assert library("json").__name__ == "json"

@@ -9,12 +9,11 @@ import yaml
 from palpate.configuration.study_file import Condition, load_study
 from palpate.errors import InputError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
-from palpate.inference.genetic import GeneticSettings
+from palpate.inference.covariance import model_covariance
 from palpate.inference.measures import error_measures
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.inference.recording_checks import check_drive
-from palpate.inference.solver_error import model_covariance
 from palpate.inference.study_recordings import check_given, observations
 from palpate.laboratory.virtual import disturbed
 from palpate.mechanisms import Scale
@@ -27,6 +26,7 @@ from palpate.study.load_history import protocol_from
 from palpate.study.protocol import DISPLACEMENT, trapezoid
 from palpate.study.quantity import Quantity
 from palpate.surrogate import PODRBF
+from palpate.surrogate.genetic import GeneticSettings
 from studies.thesis.surrogate_forward import SurrogateForward
 
 CONE = Indenter("cone", 70.3)

@@ -60,7 +60,7 @@ def test_a_law_narrows_the_amplitude_as_independent_data_do(yielding):
 
 def test_the_draws_follow_the_law(yielding):
     fit = fitted(yielding, laws=[law(COMPLIANCE, 0.1 * deviation(fitted(yielding)))])
-    draws = posterior_draws(fit, np.random.default_rng(1))
+    draws = posterior_draws(fit)
     values = [yielding.amplitudes(FRAME, z)["frame_compliance"]["compliance"] for z in draws]
     assert np.median(values) == pytest.approx(COMPLIANCE, abs=0.1 * deviation(fitted(yielding)))
 

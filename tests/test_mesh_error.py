@@ -10,11 +10,11 @@ from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
 from palpate.configuration.study_file import load_study
-from palpate.inference import body_curves
+from palpate.inference import body_model
+from palpate.inference.anchors import Anchor
 from palpate.inference.covariance import REFINED, errors, noise_of
-from palpate.inference.forward import FiniteElements
-from palpate.inference.reference import Reference
-from palpate.inference.space_mapping import SpaceMapped
+from palpate.inference.fidelity import COARSE, kept
+from palpate.inference.finite_elements import FiniteElements
 from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import simulate
@@ -123,7 +123,7 @@ def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, s
 
 @pytest.mark.slow
 def test_what_creeps_needs_no_derivatives_of_a_finer_mesh(record):
-    assert record.extrapolated(record.place) is None
+    assert record.extrapolated(record.anchors.point) is None
 
 
 @pytest.mark.slow
@@ -147,7 +147,7 @@ def test_curves_of_finer_meshes_serve_there_and_elsewhere(tmp_path):
 @pytest.mark.slow
 def test_where_the_edge_of_contact_matters_curves_are_refined_with_their_derivatives(study, record):
     yielding = record.joined([MECHANISMS["plastic_yield"]], scale_of(study))
-    assert yielding.refined(np.append(record.place, [0.3, 0.2])) is None
+    assert yielding.refined(np.append(record.anchors.point, [0.3, 0.2])) is None
 
 
 @pytest.mark.parametrize(
@@ -168,11 +168,11 @@ def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(t
     places = [np.append(body, values) for values in amplitudes]
     true = [on_fine_mesh(model, u, condition, "fine") for u in places]
     usual = model.of_record(places[0])
-    finer = usual.extrapolated(places[0])
-    found = finer.consistent(places[0], finer.there, finer.slopes)
-    assert found.curves(places[:1])[0]["T010"] == pytest.approx(finer.there["T010"], rel=1e-5)
+    finer, there, slopes = usual.extrapolated(places[0])
+    found = finer.consistent(places[0], there, slopes)
+    assert found.curves(places[:1])[0]["T010"] == pytest.approx(there["T010"], rel=1e-5)
     medium = on_fine_mesh(model, places[0], condition)
-    assert off_where_loaded(finer.there["T010"], 2.0 * true[0] - medium, condition) < 3e-4
+    assert off_where_loaded(there["T010"], 2.0 * true[0] - medium, condition) < 3e-4
     off = [np.subtract(*(curves["T010"] for curves in each.curves(places)[::-1])) for each in (model, found)]
     missed = [float(np.sqrt(np.mean((each - (true[1] - true[0])) ** 2))) for each in off]
     assert missed[1] < 0.5 * missed[0]
@@ -186,9 +186,9 @@ def test_a_held_out_test_like_a_fitted_one_has_its_curve_where_a_fit_ended_on_fi
     plain = FiniteElements.of(study, ["T010"])
     model = plain.joined([MECHANISMS["friction"]], scale_of(study))
     u = np.append(plain.coordinates.scaled(middle(study)), 0.4)
-    finer = model.of_record(u).extrapolated(u)
-    (curves,) = finer.consistent(u, finer.there, finer.slopes).under(["AGAIN"]).curves([u])
-    of_fitted, accurate = finer.there["T010"], on_fine_mesh(model, u, study.condition("AGAIN"))
+    finer, there, slopes = model.of_record(u).extrapolated(u)
+    (curves,) = finer.consistent(u, there, slopes).under(["AGAIN"]).curves([u])
+    of_fitted, accurate = there["T010"], on_fine_mesh(model, u, study.condition("AGAIN"))
     assert np.abs(curves["AGAIN"] - of_fitted).max() < 0.1 * np.abs(accurate - of_fitted).max()
 
 
@@ -200,17 +200,17 @@ def test_the_curves_at_one_lag_serve_another(tmp_path):
     body = plain.coordinates.scaled(middle(study) | {"controller_lag.lag": 0.1})[:-1]
     lags = [np.append(body, lag) for lag in (0.11, 0.09)]
     (condition,) = plain.conditions
-    (found,) = SpaceMapped.of(plain, lags[0]).curves([lags[1]])
+    (found,) = plain.of_record(lags[0]).curves([lags[1]])
     assert found["T010"] == pytest.approx(on_fine_mesh(plain, lags[1], condition), abs=1e-3 * found["T010"].max())
 
 
 @pytest.mark.slow
 def test_what_the_refinement_changed_is_known_at_all_samples(plain, record):
-    reference = record.references["T010"]
+    anchor, keep = record.anchors.of["T010"], kept(plain.conditions[0].protocol)
     changed = record.refinements["T010"]
-    (usual,) = plain.thinned()[0].of_accuracy(0).curves([record.place])
-    assert changed[reference.kept] == pytest.approx(reference.accurate[reference.kept] - usual["T010"])
-    assert np.abs(changed).max() < 0.01 * reference.accurate.max()
+    (usual,) = replace(plain, level=COARSE).curves([record.anchors.point])
+    assert changed[keep] == pytest.approx(anchor.accurate[keep] - usual["T010"])
+    assert np.abs(changed).max() < 0.01 * anchor.accurate.max()
     assert plain.refinements == {}
 
 
@@ -239,21 +239,21 @@ def test_curves_may_err_by_what_the_refinement_changed():
 def test_where_a_body_is_unloaded_no_mesh_errs():
     """Nor does the rounding of a depth that is none count as a ratio."""
     accurate, fast = np.array([2.02, 1.01, 1e-14]), np.array([2.0, 1.0, -4e-15])
-    reference = Reference(accurate, fast, np.ones(3, dtype=bool), np.zeros(3))
-    found = reference.carried(np.array([3.0, 1.4, 8e-15]), history(np.array([1.0, 2.0, 3.0])))
+    found = Anchor(accurate, fast, np.zeros(3)).scaled(np.array([3.0, 1.4, 8e-15]), history(np.array([1.0, 2.0, 3.0])))
     assert found == pytest.approx([3.03, 1.414, 0.0], abs=1e-12)
 
 
 def test_what_a_change_makes_of_a_curve_is_told_by_few_samples():
     """It varies slowly in time, the curve itself does not; so it is with several columns at once."""
-    time = np.arange(1.0, 13.0)
-    kept = np.isin(time, [1.0, 5.0, 9.0, 12.0])
+    time = np.arange(1.0, 13.0, 0.1)
+    keep = kept(history(time))
+    assert keep.sum() < 0.4 * len(time)
     accurate = np.sqrt(time) * (1.0 + 0.01 * np.sin(time))
-    reference = Reference(accurate, np.sqrt(time)[kept], kept, np.zeros(12))
+    anchor = Anchor(accurate, np.sqrt(time)[keep], np.zeros(len(time)))
     columns = np.stack([np.sqrt(time) * (1.1 + 0.02 * time), 3.0 * np.sqrt(time)], axis=1)
-    expected = accurate[:, None] * np.stack([1.1 + 0.02 * time, np.full(12, 3.0)], axis=1)
-    assert reference.carried(columns[kept], history(time)) == pytest.approx(expected)
-    assert reference.carried(columns[kept, 0], history(time)) == pytest.approx(expected[:, 0])
+    expected = accurate[:, None] * np.stack([1.1 + 0.02 * time, np.full(len(time), 3.0)], axis=1)
+    assert anchor.scaled(columns[keep], history(time)) == pytest.approx(expected)
+    assert anchor.scaled(columns[keep, 0], history(time)) == pytest.approx(expected[:, 0])
 
 
 @pytest.mark.slow
@@ -294,14 +294,14 @@ def test_slopes_are_those_of_the_curves(study, record):
 
 @pytest.mark.slow
 def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_mesh(study, plain, monkeypatch):
-    def failing(specifications):
+    def failing(specifications, few_sectors):
         return [
             replace(outcome, status="failed") if each.accuracy == "medium" and outcome.load.max() > 1.5 else outcome
-            for each, outcome in zip(specifications, simulate_batch(specifications), strict=True)
+            for each, outcome in zip(specifications, simulate_batch(specifications, 0.0, few_sectors), strict=True)
         ]
 
-    u, simulate_batch = plain.coordinates.scaled(middle(study)), body_curves.simulate_batch
-    monkeypatch.setattr(body_curves, "simulate_batch", failing)
+    u, simulate_batch = plain.coordinates.scaled(middle(study)), body_model.simulate_batch
+    monkeypatch.setattr(body_model, "simulate_batch", failing)
     found = plain.of_record(u)
     usual, same = (model.under(["V010"]).curves([u])[0]["V010"] for model in (plain, found))
     assert same == pytest.approx(usual)

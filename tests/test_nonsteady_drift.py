@@ -43,7 +43,7 @@ def found():
         return added(condition.protocol.sample_time, rate, amplitude, constant)
 
     search = search_of(problem(recordings(np.random.default_rng(51), drifting)), [KEY, "thermal_drift"])
-    steady, candidate = (search.examined(search.joined(search.base.fit, key)) for key in ("thermal_drift", KEY))
+    steady, candidate = (search.candidate(search.joined(search.base.fit, key)) for key in ("thermal_drift", KEY))
     return truth, steady, candidate
 
 
@@ -63,7 +63,7 @@ def test_a_weak_one_is_found_from_where_least_squares_put_its_amplitudes():
     begun = search.screen.starts(search.base.fit, KEY)[0][place]
     assert amplitude == pytest.approx(6.0, abs=2.5)
     assert abs(begun - fit.z[place]) * slope < 6.0
-    assert search.examined(fit).p_value > 0.01
+    assert search.candidate(fit).p_value > 0.01
 
 
 @pytest.mark.parametrize(("seed", "compliance"), [(1, 2.0), (2, 4.0)])

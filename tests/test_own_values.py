@@ -30,7 +30,7 @@ ELASTIC = Coordinates(MATERIAL.free[:1], {"fluidity": 0.0})
 DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 STUDY = SimpleNamespace(
     conditions=(CONDITION,),
-    calibration={"solver_error": 0.001, "site_scatter": 0.01},
+    calibration={"solver_error": 0.001, "site_scatter": 0.01, "law_error": 0.0},
     diagnosis={"bootstrap": 400},
 )
 

@@ -13,8 +13,8 @@ from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
+from palpate.inference.finite_elements import FiniteElements
 from palpate.inference.fitting import Fitter
-from palpate.inference.forward import FiniteElements
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.recordings.recording_file import read_recording
@@ -153,8 +153,8 @@ def test_a_modulus_is_found_under_the_pyramid_by_the_cones_curves(tmp_path):
 
 def replace_record(forward):
     """Return a forward model that takes the equivalent cone for the pyramid."""
-    cone = replace(forward.study, indenter=forward.study.indenter.equivalent_cone)
-    return replace(forward, study=cone)
+    cone = replace(forward.body.study, indenter=forward.body.study.indenter.equivalent_cone)
+    return replace(forward, body=replace(forward.body, study=cone))
 
 
 def test_a_study_and_its_diagnosis_take_it(tmp_path):

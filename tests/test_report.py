@@ -1,57 +1,115 @@
-"""What the report says in words."""
+"""The report: its first screen is the answer, it reads without scripts, and it is small enough to be sent."""
 
+import json
 import re
 
 import numpy as np
 import pandas as pd
-from test_config import TRUTH, load
+import pytest
+from results_of import diagnosis, saved
 
-from palpate.output.html_report import bound_sentence, misfit_sentence, search_sentences, table
-from palpate.recordings.recording import SYNTHETIC, Recording
-from palpate.workflow_support.study_report import synthetic_sets
+from palpate.output.figures.catalogue import FIGURES
+from palpate.output.html_report import image, table
+from palpate.output.report import study_page
+from palpate.output.written_figures import stem_of, write_figures
+
+MADE_FROM = {"python": "3", "libraries": {"numpy": "2"}, "git_commit": "abc", "seed": 0, "files": {"a.csv": "0" * 64}}
+SNAPSHOTS = pd.DataFrame({"status": ["ok", "failed"]})
 
 
-def test_a_misfit_near_the_noise_does_not_speak_for_the_model():
-    """A drift of 0.15 nm/s was found with a misfit of 1.17: the diagnosis above must not be contradicted."""
-    calibration = {"conditions": {"a": {"rmse_nm": 1.1}}, "noise": {"a": {"replicates": 3}}, "misfit_ratio": 1.17}
-    said = misfit_sentence(calibration)
-    assert "explains the recordings" not in said
-    assert "1.17); a small effect may still be present" in said
-    assert "does not explain the recordings" in misfit_sentence(calibration | {"misfit_ratio": 3.0})
+def page_of(folder, *sets):
+    write_figures(sets, folder / "figures")
+
+    def drawn(name, of):
+        figure = FIGURES[name]
+        file = folder / "figures" / f"{stem_of(figure, of or sets[0])}.svg"
+        numbers = figure.table(of or sets[0])
+        return "" if numbers is None else image(file, figure.seen(numbers), figure.caption(numbers))
+
+    study_page.write(sets[0].study, sets, drawn, SNAPSHOTS, MADE_FROM, folder / "report.html")
+    return (folder / "report.html").read_text()
+
+
+def without_scripts(page):
+    return re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+
+
+@pytest.fixture
+def page(tmp_path):
+    return page_of(tmp_path, saved(tmp_path, diagnosis()))
+
+
+def test_the_answer_comes_before_anything_else(page):
+    first = without_scripts(page).split("<nav")[0]
+    words = [
+        "nonlinear Burgers",
+        "cone",
+        "2 replicates each",
+        "Thermal drift identified",
+        "3.30 (3.22 to 3.40)",
+        "3.98",
+    ]
+    for word in [*words, "8.6 nm without the effects, 5.4 nm with them", "What is open", "synthetic"]:
+        assert word in first, word
+    assert "surrogate" not in first.split("</style>")[1].lower()
+
+
+def test_the_page_is_complete_without_scripts_and_small(page):
+    shown = without_scripts(page)
+    for heading in ("Curves", "Where the base model fails", "Explanations", "Identifiability", "Calibration sets"):
+        assert f"<h2>{heading}</h2>" in shown
+    assert shown.count("<figure>") == shown.count("<figcaption>") >= 5
+    assert all(len(text) > 20 for text in re.findall(r'alt="(.*?)"', shown))
+    assert len(page) < 5e6
+    scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+    assert len(scripts) == 2 and len(scripts[0]) < 1.5e6
+    assert 'name="viewport"' in page and "prefers-color-scheme: dark" in page and "@media print" in page
+    assert not re.search(r'(src|href)="https?:', shown)
+
+
+def test_curves_on_the_page_are_those_of_the_results(page):
+    (data,) = re.findall(r'<script type="application/json" id="curves">(.*?)</script>', page, re.DOTALL)
+    (first, second) = json.loads(data)["lab"]
+    assert (first["label"], second["label"], second["role"]) == ("1 mN, 30 s", "0.5 mN, 30 s", "held out")
+    assert len(first["tests"]) == 2 and set(first["left"]) == {"base", "accepted", "band"}
+    assert first["left"]["accepted"] == pytest.approx([0.5] * len(first["time"]), abs=1e-3)
+
+
+def test_a_study_of_several_sets_begins_with_a_row_for_each(tmp_path):
+    one, other = saved(tmp_path, diagnosis()), saved(tmp_path, diagnosis("adequate"), name="second")
+    first = page_of(tmp_path, one, other).split("<nav")[0]
+    assert first.count("<tr>") == 3
+    assert "Thermal drift identified" in first and "No effect is missing" in first
+
+
+def test_recordings_without_a_diagnosis_have_a_page(tmp_path):
+    page = without_scripts(page_of(tmp_path, saved(tmp_path, synthetic=False)))
+    assert "Calibrated, not diagnosed" in page and "Explanations" not in page
+    assert "Parameters of the base model" in page
+
+
+def test_report_json_holds_the_first_screen(tmp_path):
+    found = saved(tmp_path, diagnosis())
+    content = study_page.report_json(found.study, [found], MADE_FROM)
+    assert content["sets"][0]["parameters"][0]["estimate"] == 3.304
+    assert content["versions"] == {"python": "3", "numpy": "2", "commit": "abc"}
+    json.dumps(content)
 
 
 def test_headings_are_words_with_units():
     shown = table(pd.DataFrame({"rmse_nm": [1.23456], "condition_set": ["all"], "identified": [True]}))
-    assert re.findall("<th>(.*?)</th>", shown) == ["rmse [nm]", "condition set", "identified"]
-    assert re.findall("<td>(.*?)</td>", shown) == ["1.235", "all", "yes"]
+    assert re.findall("<th.*?>(.*?)</th>", shown.split("thead>")[1]) == ["rmse [nm]", "condition set", "identified"]
+    assert re.findall("<td.*?>(.*?)</td>", shown) == ["1.23", "all", "yes"]
 
 
-def test_a_search_that_has_not_settled_is_told():
-    assert "not converged" not in search_sentences({"converged": True})
-    assert "not converged" in search_sentences({"converged": False})
+def test_tables_show_nothing_where_nothing_is_known_and_units_beside_names():
+    shown = table(
+        pd.DataFrame([{"name": "a", "unit": "GPa^2", "lower": None}, {"name": "b", "unit": "-", "lower": 1.5}])
+    )
+    assert re.findall("<td.*?>(.*?)</td>", shown) == ["a [GPa<sup>2</sup>]", "", "b", "1.50"]
 
 
 def test_a_share_close_to_one_is_not_rounded_to_one():
-    assert "<td>0.99997</td>" in table(pd.DataFrame({"r2": [0.99997]}))
-    assert "<td>1</td>" in table(pd.DataFrame({"r2": [1.0]}))
-
-
-def test_an_estimate_outside_its_range_is_told():
-    inside, outside, limit = ({"at_bound": a, "outside": o} for a, o in ((False, False), (False, True), (True, True)))
-    said = bound_sentence({"parameters": {"youngs_modulus": outside, "hardening": limit, "yield_stress": inside}})
-    assert said.startswith("At a limit: hardening;") and "plausible range: youngs_modulus." in said
-    assert bound_sentence({"parameters": {"youngs_modulus": inside}}) == ""
-
-
-def test_sets_with_simulated_recordings_are_told_whoever_wrote_them(tmp_path):
-    time = np.linspace(0.0, 60.0, 61)
-    for name, notes in (("virtual", (f"{SYNTHETIC}: by a laboratory",)), ("mine", (f"{SYNTHETIC}: b",)), ("lab", ())):
-        (tmp_path / name).mkdir()
-        Recording(time, time, 9.0 * time, notes=("made on Monday", *notes)).write(tmp_path / name / "P1_T30_2.csv")
-        Recording(time, time, 9.0 * time).write(tmp_path / name / "P1_T30_1.csv")
-    sets = {name: str(tmp_path / name) for name in ("virtual", "mine", "lab")}
-    study = load(tmp_path, recordings=sets, laboratory={"virtual": {"parameters": TRUTH}})
-    assert synthetic_sets(study) == [
-        "Recordings “virtual” are synthetic: written by a virtual laboratory, not measured.",
-        "Recordings “mine” contain synthetic ones: simulated, not measured.",
-    ]
+    assert ">0.999970</td>" in table(pd.DataFrame({"r2": [0.99997]}))
+    assert ">1</td>" in table(pd.DataFrame({"r2": [1.0]}))
+    assert "nan" not in table(pd.DataFrame({"r2": [np.nan]}))

@@ -1,5 +1,6 @@
 """Runs are written to disk first; sending loses nothing, never waits long, and sends nothing twice."""
 
+import base64
 import itertools
 import json
 import multiprocessing
@@ -10,24 +11,24 @@ import subprocess
 import sys
 import threading
 import time
+import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from results_of import diagnosis, saved
 
 from palpate.cli.main import main
 from palpate.surrogate import PODRBF
 from palpate.surrogate.saved import save
-from palpate.workflow_support.run_records import (
-    Run,
-    git_commit,
-    of_calibration,
-    of_diagnosis,
-    of_surrogate,
-    tracked_runs,
-)
+from palpate.workflow_support import saved_view
+from palpate.workflow_support.manifest import git_commit
+from palpate.workflow_support.run_records import Record, Run, tracked_runs
+from palpate.workflow_support.runs_of_results import of_calibration, of_diagnosis, of_sets, of_surrogate
 from palpate.workflow_support.tracking import pending
 
 X = np.array(list(itertools.product([1.0, 1.5, 2.0], [0.0, 1.0])))
+VERDICTS = ("identified", "adequate")
 Y = np.outer(X[:, 0] + X[:, 1] ** 2, np.linspace(1, 2, 5))
 
 
@@ -38,12 +39,22 @@ def write_records(folder, execution="one"):
     tracking.mkdir(parents=True, exist_ok=True)
     save(PODRBF().fit(X, Y), X, Y, folder / "results/s/model.npz")
     (folder / "results/s/fit.csv").write_text("a")
-    with tracked_runs("s", tracking / "surrogate.json") as runs:
-        runs.append(Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"loo_rms_at_point_nm": [1.0] * 5}))
-        runs[0].surrogate = "results/s/model.npz"
-    with tracked_runs("s", tracking / "fit.json", {"tags": {"lab.verdict": "adequate"}}) as runs:
-        runs.append(Run("search", "fit", {}, {"optimiser": "o"}, {"evaluations": 7.0}, {"best_by_seed": [3.0, 2.0]}))
-        runs[0].files = ["results/s/fit.csv"]
+    with tracked_runs("s", tracking / "surrogate.json") as record:
+        record.runs.append(
+            Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"by_point.loo_rms_nm": [1.0] * 5})
+        )
+        record.runs[0].surrogate, record.runs[0].model = "results/s/model.npz", "surrogate P1.00_T030: 5 %"
+    with tracked_runs("s", tracking / "fit.json") as record:
+        run = Run("search", "fit", {}, {"optimiser": "o"}, {"evaluations": 7.0}, {"by_seed.best": [3.0, 2.0]})
+        run.files, run.tables = ["results/s/fit.csv"], {"errors.csv": "condition,rmse_nm\n"}
+        run.dataset = {"name": "lab", "digest": "12345678", "source": "recordings/lab"}
+        record.runs.append(run)
+        record.parent = {
+            "name": "drift identified",
+            "tags": {"verdict": "adequate"},
+            "params": {},
+            "metrics": {"a": 1.0},
+        }
     return tracking
 
 
@@ -63,40 +74,60 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_runs_hold_what_fits_are_compared_by():
-    modulus = {"estimate": 3.2, "lower": 3.0, "upper": 3.4, "identified": True}
-    errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4, "role": "calibrate"}
-    calibration = {"parameters": {"youngs_modulus": modulus}, "conditions": {"T030": errors}, "history": []}
-    told = {"seed": 862, "misfit_ratio": 1.1, "converged": False, "recordings": "lab", "condition_set": "all"}
-    run = of_calibration(calibration | told, {"population": 200}, [])
-    assert run.params == {"population": 200, "seed": 862}
-    metrics = run.metrics
-    assert (metrics["misfit_ratio"], metrics["converged"], metrics["T030.mean_abs_error_nm"]) == (1.1, 0.0, 1.5)
-    drift = {"thermal_drift.rate": {"estimate": 0.11, "lower": 0.09, "upper": 0.13}}
-    named = {"mechanisms": ["thermal_drift"], "probability": 1.0, "parameters": drift}
-    roles = {role: {"before_rmse_nm": 9.0, "after_rmse_nm": None} for role in ("calibrate", "validate")}
-    tried = [{"mechanisms": [], "rmse_nm": 9.0, "log_evidence": -3.0, "p_value": 0.0, "parameters": {}, "material": {}}]
-    found = {"verdict": "identified", "mechanisms": ["thermal_drift"], "sentence": "", "p_value": 0.002}
-    found |= {"candidates": [named], "fit": roles | {"noise_nm": 2.0}, "recordings": "lab", "tried": tried}
-    run, base = of_diagnosis(found, {"bootstrap": 40}, [])
-    assert run.params["bootstrap"] == 40
-    assert (run.metrics["thermal_drift.rate.estimate"], run.metrics["thermal_drift.rate.upper"]) == (0.11, 0.13)
-    assert (base.name, base.metrics["before_rmse_nm"]) == ("explanation base model", 9.0)
+def test_one_quantity_has_one_key_in_every_kind_of_run(tmp_path, monkeypatch):
+    monkeypatch.setenv("PALPATE_EXECUTION", "2026-11-29 17:13:05")
+    found = saved(tmp_path, diagnosis())
+    record = Record()
+    of_sets(record, [found], tmp_path)
+    (answer,) = record.runs
+    whole, drift, base = of_diagnosis(found.diagnosis, found.study, [])
+    fit = of_calibration(found, "all", [])
+    assert answer.name == record.parent["name"] == "thermal drift identified - multiquadric - 17:13"
+    assert answer.metrics["youngs_modulus"] == 3.304 and fit.metrics["youngs_modulus"] == 3.978
+    assert answer.metrics["held_out_nm"] == whole.metrics["held_out_nm"] == 5.42
+    assert answer.metrics["before_held_out_nm"] == fit.metrics["before_held_out_nm"] == 8.61
+    assert answer.metrics["thermal_drift.rate"] == drift.metrics["thermal_drift.rate"] == 0.113
+    assert (base.name, base.metrics["fitted_nm"]) == ("explanation base model", 3.7)
+    assert fit.metrics["search_best"] == 4.0 and fit.series == {"by_generation.best_sum": [9.0, 4.0, 5.0]}
+    assert fit.metrics["surrogate_nm"] == answer.metrics["surrogate_nm"] == 0.05
+    assert fit.params["kernel"] == answer.params["kernel"] == "multiquadric"
+    assert "rmse_nm" in fit.tables["errors_by_condition.csv"]
+    assert answer.tags["mlflow.note.content"] == found.diagnosis["sentence"]
+    assert answer.dataset["name"] == "lab" and len(answer.dataset["digest"]) == 8
+    keys = set(answer.metrics) | set(answer.params) | set(answer.tags)
+    assert len({key[:12] for key in keys}) == len(keys)
 
 
-def test_errors_of_loads_arrive_and_names_of_roles_are_kept_apart():
-    errors = {"rmse_nm": 2.0, "r2": 0.99, "mean_abs_error_nm": 1.5, "percent_error": 0.4}
-    loads = {"rmse_mN": 0.3, "mean_abs_error_mN": 0.2}
-    conditions = {"calibrate": {"role": "validate"} | errors | loads, "T030": {"role": "calibrate"} | errors}
-    told = {"seed": 1, "misfit_ratio": 1.0, "converged": True, "recordings": "lab", "condition_set": "all"}
-    content = told | {"parameters": {}, "history": [], "conditions": conditions}
-    metrics = of_calibration(content, {}, []).metrics
-    assert metrics["condition calibrate.mean_abs_error_mN"] == 0.2
-    assert metrics["validate.rmse_mN"] == pytest.approx(0.3)
-    assert metrics["calibrate.rmse_nm"] == metrics["T030.rmse_nm"] == 2.0
-    assert not {"calibrate.rmse_mN", "T030.rmse_mN"} & set(metrics)
+def test_a_parent_of_several_sets_counts_their_verdicts(tmp_path):
+    record, names = Record(), ("lab", "other")
+    found = [saved(tmp_path, diagnosis(verdict), name=name) for verdict, name in zip(VERDICTS, names, strict=True)]
+    study = replace(found[0].study, recordings=dict.fromkeys(names, tmp_path))
+    of_sets(record, [replace(each, study=study) for each in found], tmp_path)
+    assert record.parent["name"].startswith("2 sets: 1 identified, 1 adequate - multiquadric - ")
+    assert [run.name.split(":")[0] for run in record.runs] == ["lab", "other"]
+
+
+def test_later_entries_of_a_diagnosis_become_metrics(tmp_path):
+    more = {"nothing_further": {"probability": 0.8}, "discrepancy": {"share": 0.01, "lower": 0.0, "upper": 0.02}}
+    record = Record()
+    of_sets(record, [saved(tmp_path, diagnosis(**more, inclusion={"friction": 0.2}))], tmp_path)
+    metrics = record.runs[0].metrics
+    assert (metrics["nothing_further"], metrics["discrepancy"], metrics["inclusion.friction"]) == (0.8, 0.01, 0.2)
+
+
+def test_a_surrogate_s_run_names_condition_and_kernel(tmp_path):
+    found = saved(tmp_path)
     summary = {"unit": "mN", "loo_rmse_mN": 0.1, "loo_rms_mN": [0.1, 0.2]}
-    assert of_surrogate("T030", {}, {}, summary).series == {"loo_rms_at_point_mN": [0.1, 0.2]}
+    run = of_surrogate(found.study, "A", PODRBF(), summary)
+    assert (run.name, run.model) == ("surrogate 1 mN, 30 s - multiquadric", "surrogate A multiquadric")
+    assert run.metrics["surrogate_mN"] == 0.1 and run.series == {"by_point.loo_rms_mN": [0.1, 0.2]}
+
+
+def test_the_saved_view_is_small_and_shows_verdict_and_error():
+    view = saved_view.state(["youngs_modulus"])
+    assert {"tags.`verdict`", "metrics.`held_out_nm`", "metrics.`youngs_modulus`"} <= set(view["selectedColumns"])
+    names = [column.split("`")[1][:12] for column in view["selectedColumns"]]
+    assert len(set(names)) == len(names)
 
 
 def test_the_commit_is_that_of_the_code_wherever_a_study_is_run(tmp_path, monkeypatch):
@@ -120,13 +151,25 @@ def test_what_was_recorded_arrives_once(here, capsys):
     assert sorted(run.data.tags["kind"] for run in runs) == ["fit", "surrogate", "workflow"]
     parent = by_kind["workflow"].info.run_id
     assert {by_kind[kind].data.tags["mlflow.parentRunId"] for kind in ("fit", "surrogate")} == {parent}
-    assert by_kind["workflow"].data.tags["lab.verdict"] == "adequate"
+    whole = by_kind["workflow"]
+    assert (whole.info.run_name, whole.data.tags["verdict"], whole.data.metrics["a"]) == (
+        "drift identified",
+        "adequate",
+        1.0,
+    )
     fit = by_kind["fit"]
     assert (fit.data.params["optimiser"], fit.data.metrics["evaluations"]) == ("o", 7.0)
-    assert [entry.value for entry in client.get_metric_history(fit.info.run_id, "best_by_seed")] == [3.0, 2.0]
+    assert [entry.value for entry in client.get_metric_history(fit.info.run_id, "by_seed.best")] == [3.0, 2.0]
+    assert fit.inputs.dataset_inputs[0].dataset.name == "lab"
     mlflow.set_tracking_uri(store)
     (model,) = mlflow.search_logged_models(experiment_ids=[fit.info.experiment_id], output_format="list")
     assert np.allclose(mlflow.sklearn.load_model(model.model_uri).predict(X), Y)
+    assert model.name == "surrogate P1_00_T030_ 5 _" and mlflow.models.get_model_info(model.model_uri).signature
+    tags = client.get_experiment(fit.info.experiment_id).tags
+    envelope = json.loads(tags["mlflow.sharedViewState.palpate"])
+    assert len(tags["mlflow.sharedViewState.palpate"]) < 20_000 and envelope["state"].startswith("deflate;")
+    state = json.loads(zlib.decompress(base64.b64decode(envelope["state"].removeprefix("deflate;"))))
+    assert state["searchFilter"] == "tags.kind = 'recordings'"
 
 
 def runs_in(store):
@@ -145,7 +188,7 @@ def test_records_are_sent_from_any_folder_with_their_artifacts(here):
     results = here / "study/results"
     assert main(["track", "--send", "--results", str(results)]) == 0
     client, runs = runs_in(f"sqlite:///{results}/mlflow.db")
-    assert [file.path for file in client.list_artifacts(runs["search"].info.run_id)] == ["fit.csv"]
+    assert [file.path for file in client.list_artifacts(runs["search"].info.run_id)] == ["errors.csv", "fit.csv"]
     assert (results / "mlartifacts/s").is_dir()
     assert [file.name for file in here.iterdir()] == ["study"]
 
@@ -169,8 +212,8 @@ def test_a_record_that_was_sent_in_part_is_completed(here, monkeypatch, call):
 
     folder = here / "results/s/tracking"
     monkeypatch.setenv("PALPATE_EXECUTION", "one")
-    with tracked_runs("s", folder / "fit.json") as runs:
-        runs += [Run(name, "fit", metrics={"evaluations": 7.0}) for name in ("a", "b", "c")]
+    with tracked_runs("s", folder / "fit.json") as record:
+        record.runs += [Run(name, "fit", metrics={"evaluations": 7.0}) for name in ("a", "b", "c")]
     answer, asked = getattr(mlflow.MlflowClient, call), []
 
     def failing(*arguments, **named):

@@ -133,10 +133,12 @@ def test_results_are_where_the_contract_says(finished):
     for entry in calibration["parameters"].values():
         assert {"estimate", "lower", "upper", "identified"} <= set(entry)
     assert (results / "virtual/calibrations/fast.json").exists()
-    assert len(pd.read_csv(results / "virtual/errors.csv")) == 3
+    assert len(pd.read_csv(results / "figures/virtual_misfit_map.csv")) == 8
+    answers = json.loads((results / "report.json").read_text())["sets"]
+    assert [found["name"] for found in answers] == ["virtual", "concealed"]
     page = (results / "report.html").read_text()
     assert "synthetic" in page
-    assert page.count("<img") == 11
+    assert page.count("<figure>") == page.count("<figcaption>") >= 12
     manifest = json.loads((results / "report.manifest.json").read_text())
     assert manifest["configuration"]["study"] == "tiny"
     for file, checksum in manifest["files"].items():
@@ -157,12 +159,12 @@ def test_the_concealed_drift_is_found(finished):
     assert diagnosis["fit"]["validate"]["after_rmse_nm"] < 0.5 * diagnosis["fit"]["validate"]["before_rmse_nm"]
     nothing = json.loads((finished / "results/tiny/virtual/diagnosis.json").read_text())
     assert (nothing["verdict"], nothing["mechanisms"]) == ("adequate", [])
-    assert html.escape(diagnosis["sentence"]) in (results / "diagnosis.html").read_text()
+    assert html.escape(diagnosis["sentence"]) in (finished / "results/tiny/report.html").read_text()
 
 
 def test_estimates_hold_the_truth(finished):
-    table = pd.read_csv(finished / "results/tiny/virtual/parameters.csv")
-    free = table[(table["condition_set"] == "all") & table["identified"]]
+    table = pd.read_csv(finished / "results/tiny/figures/virtual_parameters.csv")
+    free = table[(table["fit"] == "base, all") & table["identified"]]
     assert len(free) >= 1
     assert ((free["lower"] <= free["truth"]) & (free["truth"] <= free["upper"])).all()
 
@@ -190,7 +192,7 @@ def test_every_surrogate_and_fit_is_a_run_under_one_parent(finished):
     results = finished / "results/tiny"
     diagnoses = [json.loads((results / f"{name}/diagnosis.json").read_text()) for name in ("virtual", "concealed")]
     fits = {"calibration": 4, "diagnosis": 2, "explanation": sum(len(each["tried"]) for each in diagnoses)}
-    assert kinds == {**fits, "surrogate": 2, "workflow": 1}
+    assert kinds == {**fits, "surrogate": 2, "recordings": 2, "workflow": 1}
     parent = next(run.info.run_id for run in runs if run.data.tags["kind"] == "workflow")
     assert all(run.data.tags["mlflow.parentRunId"] == parent for run in runs if run.info.run_id != parent)
 
@@ -209,7 +211,7 @@ def planned(folder, *targets, study):
         ({"surrogate": {"kernel": "cubic"}}, {"surrogate", "calibration", "report"}, {"laboratory_virtual"}),
         ({"calibration": {"generations": 12}}, {"calibration"}, {"surrogate", "laboratory_virtual"}),
         ({"conditions": TINY["conditions"][:2]}, {"calibration", "laboratory_virtual"}, {"surrogate"}),
-        ({"title": "another"}, {"tables", "report", "calibration", "diagnosis"}, {"surrogate"}),
+        ({"title": "another"}, {"report"}, {"surrogate", "calibration", "diagnosis", "figures"}),
         (
             {"conditions": [condition | {"own_loads": True} for condition in TINY["conditions"]]},
             {"calibration", "calibration_on_all", "diagnosis"},
@@ -222,14 +224,6 @@ def test_a_change_reruns_what_rests_on_it_and_nothing_else(finished, change, aga
     assert again <= rules
     assert not kept & rules
     assert "snapshots" not in rules
-
-
-@pytest.mark.parametrize("file", ["calibration", "diagnosis", "tables"])
-def test_what_is_drawn_under_the_title_is_drawn_again_under_a_new_one(file):
-    assert "study.title" in (ROOT / f"scripts/{file}.py").read_text()
-    rules = "".join(path.read_text() for path in sorted((ROOT / "workflow/rules").glob("*.smk"))).split("\nrule ")
-    drawing = next(rule for rule in rules if f"scripts/{file}.py" in rule)
-    assert "title=constant(STUDY.title)" in drawing
 
 
 @pytest.mark.slow
@@ -282,7 +276,7 @@ def test_keys_of_a_study_may_be_given_on_the_command_line(finished):
 def test_nothing_of_the_default_study_leaks_into_another(tmp_path):
     without = {key: value for key, value in TINY.items() if key not in ("recordings", "laboratory", "condition_sets")}
     rules = planned(copied(tmp_path, "config"), study=without)
-    assert rules == {"snapshots", "snapshot_index", "surrogate", "surrogate_figure", "report", "tracking", "all"}
+    assert rules == {"snapshots", "snapshot_index", "surrogate", "figures", "report", "tracking", "all"}
 
 
 def test_a_file_without_the_name_of_a_study_is_named(tmp_path):

@@ -4,8 +4,8 @@ def vendor_file(wildcards):
     return read_study(f"{HERE}/config/real/{wildcards.real}.yaml").source["file"]
 
 
-def real_pages(wildcards):
-    """The pages of all studies in config/real, which are read when they are asked for."""
+def real_diagnoses(wildcards):
+    """The diagnoses of all studies in config/real, which are read when they are asked for."""
     for name in REAL:
         source = read_yaml(f"{HERE}/config/real/{name}.yaml")["source"]
-        yield f"results/{name}/{source['recordings']}/diagnosis.html"
+        yield f"results/{name}/{source['recordings']}/diagnosis.json"

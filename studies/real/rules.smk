@@ -32,8 +32,7 @@ rule real_study:
     output:
         result="results/{real}/{recordings}/diagnosis.json",
         curves="results/{real}/{recordings}/diagnosis.curves.csv",
-        figure="results/{real}/{recordings}/figures/diagnosis.png",
-        page="results/{real}/{recordings}/diagnosis.html",
+        figures=directory("results/{real}/{recordings}/figures"),
     log:
         "results/{real}/logs/real_study_{recordings}.log",
     wildcard_constraints:
@@ -51,4 +50,4 @@ rule real_study:
 rule real:
     input:
         expand("results/{real}/reading/reading.html", real=REAL),
-        real_pages,
+        real_diagnoses,

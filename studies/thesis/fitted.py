@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from palpate.inference.calibration_result import Calibration
+from palpate.inference.calibration_result import CalibrationOutcome
 from palpate.surrogate import PODRBF
 from palpate.surrogate.saved import save
-from palpate.workflow_support.run_records import Run, of_calibration
+from palpate.workflow_support.run_records import Run, calibration_metrics
 
 
-def beside_truth(found: Calibration, truth: Mapping[str, float], names: Iterable[str]) -> list[dict[str, Any]]:
+def beside_truth(found: CalibrationOutcome, truth: Mapping[str, float], names: Iterable[str]) -> list[dict[str, Any]]:
     """Return estimate, interval and truth of some parameters, a row each."""
     return [
         {
@@ -72,7 +72,7 @@ class Fitted:
             "modes": float(model.n_modes_),
             "shape": float(model.shape_),
             "condition_number": float(model.condition_number_),
-            "loo_rmse_nm": float(np.sqrt(np.mean(model.loo_error_**2))),
+            "surrogate_nm": float(np.sqrt(np.mean(model.loo_error_**2))),
         }
         return cls(name, "surrogate", metrics=metrics, model=model, parameters=parameters, curves=curves)
 
@@ -83,7 +83,7 @@ class Fitted:
         return cls(name, kind, {key: value for key, value in row.items() if isinstance(value, str)}, metrics)
 
     @classmethod
-    def of_calibration(cls, name: str, found: Calibration, **about: str) -> Fitted:
+    def of_calibration(cls, name: str, found: CalibrationOutcome, **about: str) -> Fitted:
         """Return a calibration."""
         return cls(name, "calibration", settings=dict(found.settings), calibration=found.to_mapping(**about))
 
@@ -91,8 +91,7 @@ class Fitted:
         """Return its record for MLflow; a surrogate is kept in `folder`."""
         tags = {"thesis_study": thesis_study}
         if self.calibration is not None:
-            found = of_calibration(self.calibration, self.settings, [])
-            return replace(found, name=self.name, tags=found.tags | tags)
+            return Run(self.name, self.kind, tags, dict(self.settings), calibration_metrics(self.calibration))
         series = {key: list(map(float, values)) for key, values in self.series.items()}
         found = Run(self.name, self.kind, tags, dict(self.settings), dict(self.metrics), series)
         if self.model is None or self.parameters is None or self.curves is None:
@@ -100,5 +99,5 @@ class Fitted:
         file = folder / f"{self.name.replace(' ', '_')}.npz"
         save(self.model, self.parameters, self.curves, file)
         found.params |= self.model.get_params()
-        found.series["loo_rms_at_point_nm"] = self.model.loo_rms_.tolist()
-        return replace(found, surrogate=str(file))
+        found.series["by_point.loo_rms_nm"] = self.model.loo_rms_.tolist()
+        return replace(found, surrogate=str(file), model=self.name)

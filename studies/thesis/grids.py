@@ -68,9 +68,9 @@ def epoxy_grid(condition: str, studies: Studies, outcomes: Outcomes) -> list[Run
 
 
 DESIGNS = {
-    "aluminium_L16": Design(l16, material="aluminium"),
+    "aluminium_L16": Design(l16, material="aluminium", libraries=("pydoe",)),
     "aluminium_full": Design(full_grid, material="aluminium"),
     "aluminium_reduced": Design(reduced_grid, after=("anova_aluminium",), material="aluminium"),
-    "epoxy_L27": Design(l27),
+    "epoxy_L27": Design(l27, libraries=("pydoe",)),
     **{design: Design(partial(epoxy_grid, name)) for name, design in EPOXY_GRIDS.items()},
 }

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
-from palpate.inference.genetic import GeneticSettings, evolve
 from palpate.inference.study_recordings import observations
 from palpate.inference.surrogates import Surrogates
+from palpate.surrogate.genetic import GeneticSettings, evolve
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, ranges
+from studies.thesis.libraries import library
 from studies.thesis.study import Context, Finding, Outcome, ThesisStudy
 from studies.thesis.surrogates import epoxy_surrogates
 
@@ -105,9 +106,7 @@ def covariance_adaptation(problem: Problem, seed: int) -> None:
     rng = np.random.default_rng(seed)
     while True:
         options = {"bounds": [0, 1], "seed": int(rng.integers(1, 2**31)), "verbose": -9, "verb_log": 0}
-        import cma
-
-        strategy = cma.CMAEvolutionStrategy(rng.random(problem.dimensions), 0.3, options)
+        strategy = library("cma").CMAEvolutionStrategy(rng.random(problem.dimensions), 0.3, options)
         while not strategy.stop():
             points = strategy.ask()
             strategy.tell(points, problem.values(np.array(points)).tolist())
@@ -227,4 +226,5 @@ STUDY = ThesisStudy(
     run,
     designs=tuple(EPOXY_GRIDS.values()),
     recordings=("epoxy",),
+    libraries=("cma",),
 )

@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydoe import get_orthogonal_array
 
 from palpate.errors import InputError
+from studies.thesis.libraries import library
 
 PARENTS = {"L16": "L16(4^5)", "L27": "L27(2^1 3^12)"}  # pydoe's name of the second is wrong: 13 columns of 3 levels
 
@@ -52,7 +52,7 @@ class OrthogonalArray:
         """Return the first columns of the parent array `name`, one for each factor."""
         if name not in PARENTS:
             raise InputError(f"array {name!r} is not known", remedy=f"use one of: {', '.join(PARENTS)}", place="array")
-        parent = np.asarray(get_orthogonal_array(PARENTS[name]), dtype=int)
+        parent = np.asarray(library("pydoe").get_orthogonal_array(PARENTS[name]), dtype=int)
         if len(factors) > parent.shape[1]:
             raise InputError(
                 f"{name} has {parent.shape[1]} columns for {len(factors)} factors", remedy="use a larger array"

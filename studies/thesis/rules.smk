@@ -1,5 +1,6 @@
 # Every study of the thesis, from its curves to one page of verdicts: snakemake --cores 2 thesis
 from studies.thesis import DESIGNS, STUDIES
+from studies.thesis.libraries import with_libraries
 
 THESIS = "results/thesis"
 MATERIALS = {name: f"config/thesis/{name}.yaml" for name in ("aluminium", "epoxy")}
@@ -33,7 +34,11 @@ rule thesis_design:
         outcomes=lambda wildcards: expand(
             f"{THESIS}/{{study}}.json", study=DESIGNS[wildcards.design].after
         ),
-        studies=lambda wildcards: [MATERIALS[DESIGNS[wildcards.design].material]],
+        studies=lambda wildcards: accepted(
+            with_libraries,
+            DESIGNS[wildcards.design].libraries,
+            [MATERIALS[DESIGNS[wildcards.design].material]],
+        ),
     output:
         f"{THESIS}/designs/{{design}}.npz",
     log:
@@ -41,7 +46,7 @@ rule thesis_design:
     wildcard_constraints:
         design="|".join(map(re.escape, DESIGNS)),
     conda:
-        "../../envs/palpate.yaml"
+        "../../envs/studies.yaml"
     params:
         code=lambda wildcards: fingerprint(
             "palpate.solver.simulation", DESIGNS[wildcards.design].module
@@ -59,11 +64,15 @@ rule thesis_study:
             f"{THESIS}/recordings/{{material}}",
             material=STUDIES[wildcards.key].recordings,
         ),
-        studies=lambda wildcards: sorted(
-            {
-                MATERIALS[DESIGNS[name].material]
-                for name in STUDIES[wildcards.key].designs
-            }
+        studies=lambda wildcards: accepted(
+            with_libraries,
+            STUDIES[wildcards.key].libraries,
+            sorted(
+                {
+                    MATERIALS[DESIGNS[name].material]
+                    for name in STUDIES[wildcards.key].designs
+                }
+            ),
         ),
     output:
         outcome=f"{THESIS}/{{key}}.json",
@@ -74,7 +83,7 @@ rule thesis_study:
     wildcard_constraints:
         key="|".join(STUDIES),
     conda:
-        "../../envs/palpate.yaml"
+        "../../envs/studies.yaml"
     params:
         code=lambda wildcards: fingerprint(f"studies.thesis.{wildcards.key}"),
     script:

@@ -131,11 +131,14 @@ class Design:
         Studies of the thesis whose outcome decides the runs.
     material
         ``aluminium`` or ``epoxy``: whose configuration the runs rest on.
+    libraries
+        Of the extra ``studies``, that lay the runs out.
     """
 
     runs: Callable[[Mapping[str, Study], Mapping[str, Mapping[str, Any]]], list[Run]]
     after: Sequence[str] = ()
     material: str = "epoxy"
+    libraries: Sequence[str] = ()
 
     @property
     def module(self) -> str:

@@ -119,6 +119,8 @@ class ThesisStudy:
         Designs whose curves it needs.
     recordings
         Materials whose synthetic recordings it needs.
+    libraries
+        Of the extra ``studies``, that it needs.
     """
 
     key: str
@@ -126,3 +128,4 @@ class ThesisStudy:
     run: Callable[[Context], Outcome]
     designs: Sequence[str] = ()
     recordings: Sequence[str] = ()
+    libraries: Sequence[str] = ()

@@ -66,6 +66,10 @@ class SurrogateForward(Surrogates):
     def extrapolated(self, u: np.ndarray) -> None:
         """See `Forward`: none is known."""
 
+    def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> SurrogateForward:
+        """See `Forward`: none is needed."""
+        return self
+
     def thinned(self) -> tuple[SurrogateForward, Mapping[str, np.ndarray]]:
         """See `Forward`: none is cheaper."""
         (middle,) = self.at(np.full((1, len(self.coordinates.free)), 0.5))

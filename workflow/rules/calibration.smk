@@ -9,10 +9,13 @@ rule calibration:
             f"{FOLDER}/surrogates/{{condition}}.npz",
             condition=STUDY.condition_sets[wildcards.condition_set],
         ),
+        summaries=lambda wildcards: expand(
+            f"{FOLDER}/surrogates/{{condition}}.json",
+            condition=STUDY.condition_sets[wildcards.condition_set],
+        ),
     output:
         result=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.json",
         curves=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.curves.csv",
-        figure=f"{FOLDER}/{{recordings}}/figures/fit_{{condition_set}}.png",
         record=f"{FOLDER}/tracking/{{recordings}}/calibrations/{{condition_set}}.json",
     log:
         f"{FOLDER}/logs/calibration/{{recordings}}/{{condition_set}}.log",
@@ -26,7 +29,6 @@ rule calibration:
         mem_mb=1500,
         runtime=240,
     params:
-        title=constant(STUDY.title),
         recordings=lambda wildcards: contents(wildcards.recordings),
         settings=constant(STUDY.calibration),
         seed=STUDY.seed,

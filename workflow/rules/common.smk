@@ -13,7 +13,8 @@ EXECUTION = os.environ.setdefault(
 HERE = Path(workflow.current_basedir).parents[1]
 SOURCE = [str(HERE / "src"), str(HERE)]
 os.environ.update(
-    PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")]))
+    PYTHONPATH=os.pathsep.join(filter(None, [*SOURCE, os.environ.get("PYTHONPATH")])),
+    MPLBACKEND="Agg",  # figures are files, whatever a notebook's kernel asks for
 )
 sys.path[:0] = SOURCE  # so that what is planned here is what scripts compute
 # Snakemake puts it into shell commands as it is, spaces and all.
@@ -37,6 +38,7 @@ try:
 except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
+import palpate
 from palpate.base.checksum import checksum
 from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
@@ -46,8 +48,9 @@ from palpate.inference.study_recordings import (
     with_stiffness,
     written_by_workflow,
 )
-from palpate.workflow_support import job, manifest
+from palpate.workflow_support import console, job, manifest
 from palpate.workflow_support.check_study import checked
+from palpate.workflow_support.expected_time import job_seconds
 from palpate.workflow_support.result_files import (
     read_json,
     refuse_altered,
@@ -94,6 +97,14 @@ def attempt(receipt):
     return EXECUTION if found["status"] == "pending" else found["attempt"]
 
 
+def accepted(function, *arguments):
+    """What a function returns; a mistake ends the execution with one line."""
+    try:
+        return function(*arguments)
+    except InputError as error:
+        refuse(error)
+
+
 def curves(values, accuracy):
     """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
@@ -104,6 +115,20 @@ def curves(values, accuracy):
         )
         for condition in STUDY.conditions
     ]
+
+
+@functools.cache
+def captions():
+    """What each figure shows, by name: the first line of its file."""
+    folder = Path(palpate.__file__).parent / "output/figures"
+    texts = {
+        file: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.py"))
+    }
+    return {
+        re.search(r'PaperFigure\(\s*"(\w+)"', text)[1]: text.split("\n")[0].strip('"')
+        for text in texts.values()
+        if "\nFIGURE = " in text
+    }
 
 
 @functools.cache
@@ -131,6 +156,15 @@ if workflow.is_main_process:
 BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
 CALIBRATED = [condition.name for condition in STUDY.calibrated]
 OWN_LOADS = [condition.name for condition in STUDY.conditions if condition.own_loads]
+if workflow.is_main_process:
+    console.announce(
+        console.Plan(
+            Path(FOLDER),
+            job_seconds(STUDY, len(BATCHES)),
+            workflow.resource_settings.cores or 1,
+            lambda: set(workflow.dag_settings.targets) <= {"all"},
+        )
+    )
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 

@@ -6,8 +6,6 @@ rule diagnosis:
     output:
         result=f"{FOLDER}/{{recordings}}/diagnosis.json",
         curves=f"{FOLDER}/{{recordings}}/diagnosis.curves.csv",
-        page=f"{FOLDER}/{{recordings}}/diagnosis.html",
-        figure=f"{FOLDER}/{{recordings}}/figures/diagnosis.png",
         record=f"{FOLDER}/tracking/{{recordings}}/diagnosis.json",
     log:
         f"{FOLDER}/logs/diagnosis/{{recordings}}.log",
@@ -20,7 +18,6 @@ rule diagnosis:
         mem_mb=3000,
         runtime=720,
     params:
-        title=constant(STUDY.title),
         recordings=lambda wildcards: contents(wildcards.recordings),
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         seed=STUDY.seed,

@@ -1,4 +1,4 @@
-# Tables, figures and the report, from saved results alone.
+# Figures and the report, from saved results alone.
 RECORDS = [
     *expand(f"{FOLDER}/tracking/surrogates/{{name}}.json", name=CALIBRATED),
     *expand(
@@ -7,73 +7,65 @@ RECORDS = [
         name=STUDY.condition_sets,
     ),
     *expand(f"{FOLDER}/tracking/{{name}}/diagnosis.json", name=DIAGNOSED),
+    f"{FOLDER}/tracking/report.json",
 ]
 RESULTS = [
     f"{FOLDER}/snapshots.csv",
     *expand(
         f"{FOLDER}/surrogates/{{name}}.{{kind}}", name=CALIBRATED, kind=["npz", "json"]
     ),
-    f"{FOLDER}/figures/surrogates.png",
+    *expand(f"{FOLDER}/{{name}}/calibration.json", name=STUDY.recordings),
     *expand(
-        f"{FOLDER}/{{recordings}}/{{file}}",
+        f"{FOLDER}/{{recordings}}/calibrations/{{name}}.{{kind}}",
         recordings=STUDY.recordings,
-        file=[
-            "calibration.json",
-            "errors.csv",
-            "parameters.csv",
-            "figures/parameters.png",
-            "figures/convergence.png",
-            *(f"calibrations/{name}.json" for name in STUDY.condition_sets),
-            *(f"calibrations/{name}.curves.csv" for name in STUDY.condition_sets),
-            *(f"figures/fit_{name}.png" for name in STUDY.condition_sets),
-        ],
+        name=STUDY.condition_sets,
+        kind=["json", "curves.csv"],
     ),
     *expand(
-        f"{FOLDER}/{{recordings}}/{{file}}",
-        recordings=DIAGNOSED,
-        file=[
-            "diagnosis.json",
-            "diagnosis.html",
-            "diagnosis.curves.csv",
-            "figures/diagnosis.png",
-        ],
+        f"{FOLDER}/{{name}}/diagnosis.{{kind}}",
+        name=DIAGNOSED,
+        kind=["json", "curves.csv"],
     ),
 ]
 
 
-rule tables:
+# Marked for snakemake --report, which shows each figure with its caption.
+rule figures:
     input:
-        calibrations=expand(
-            f"{FOLDER}/{{{{recordings}}}}/calibrations/{{name}}.json",
-            name=STUDY.condition_sets,
-        ),
+        RESULTS,
+        all_recordings,
     output:
-        errors=f"{FOLDER}/{{recordings}}/errors.csv",
-        parameters=f"{FOLDER}/{{recordings}}/parameters.csv",
-        figure=f"{FOLDER}/{{recordings}}/figures/parameters.png",
-        convergence=f"{FOLDER}/{{recordings}}/figures/convergence.png",
+        report(
+            directory(f"{FOLDER}/figures"),
+            patterns=["{figure}.svg"],
+            caption="../report/figure.rst",
+            category="Figures",
+        ),
     log:
-        f"{FOLDER}/logs/tables/{{recordings}}.log",
+        f"{FOLDER}/logs/figures.log",
     localrule: True
     conda:
         "../../envs/palpate.yaml"
     params:
-        title=constant(STUDY.title),
+        captions=captions(),
         laboratory=constant(STUDY.laboratory),
-        code=code("scripts/tables.py"),
+        code=code("scripts/figures.py"),
     message:
-        "tables and figures of {wildcards.recordings}"
+        "figures"
     script:
-        "../../scripts/tables.py"
+        "../../scripts/figures.py"
 
 
 rule report:
     input:
         RESULTS,
         all_recordings,
+        f"{FOLDER}/figures",
     output:
         report=f"{FOLDER}/report.html",
+        answers=f"{FOLDER}/report.json",
         manifest=f"{FOLDER}/report.manifest.json",
+        record=f"{FOLDER}/tracking/report.json",
     log:
         f"{FOLDER}/logs/report.log",
     localrule: True

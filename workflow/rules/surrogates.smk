@@ -28,22 +28,3 @@ rule surrogate:
         "surrogate of {wildcards.condition}"
     script:
         "../../scripts/surrogate.py"
-
-
-rule surrogate_figure:
-    input:
-        expand(f"{FOLDER}/surrogates/{{condition}}.json", condition=CALIBRATED),
-    output:
-        f"{FOLDER}/figures/surrogates.png",
-    log:
-        f"{FOLDER}/logs/surrogate_figure.log",
-    localrule: True
-    conda:
-        "../../envs/palpate.yaml"
-    params:
-        title=constant(f"Surrogates of {STUDY.title}"),
-        code=code("scripts/surrogate_figure.py"),
-    message:
-        "figure of the surrogates"
-    script:
-        "../../scripts/surrogate_figure.py"

@@ -9,6 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from palpate.cli import path
+
 if TYPE_CHECKING:
     from palpate.configuration.study_file import Study
     from palpate.recordings.recording import Recording
@@ -19,7 +21,7 @@ HELP = "check a study and its recordings, and estimate how long it takes"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("study", type=Path, metavar="STUDY.yaml", help="the study")
+    parser.add_argument("study", type=path, metavar="STUDY.yaml", help="the study")
     parser.add_argument("--data", help="the instrument's file, in place of source.file in the study")
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 
-from palpate.cli import check, read, warn
+from palpate.cli import check, path, read, warn
 
 NAME = "draft"
 HELP = "write a first study from recordings or instruments' files"
@@ -15,7 +14,7 @@ HELP = "write a first study from recordings or instruments' files"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "files", type=Path, nargs="+", metavar="FILE|FOLDER", help="recordings, instruments' files, or folders of them"
+        "files", type=path, nargs="+", metavar="FILE|FOLDER", help="recordings, instruments' files, or folders of them"
     )
     read.reading_arguments(parser)
     parser.add_argument(
@@ -28,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="radius of a spherical tip (default: the tip that the files state, else a Berkovich pyramid)",
     )
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FOLDER", help="the folder of study.yaml and its recordings"
+        "-o", "--output", type=path, required=True, metavar="FOLDER", help="the folder of study.yaml and its recordings"
     )
 
 

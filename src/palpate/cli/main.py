@@ -61,6 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
     one_thread_each()
+    os.environ["MPLBACKEND"] = "Agg"  # figures are files, whatever a notebook's kernel asks for
     chosen = command_line().parse_args(arguments)
     try:
         code = chosen.run(chosen)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from palpate.cli import warn
+from palpate.cli import path, warn
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ HELP = "convert an instrument's file to one CSV for each test"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("file", type=Path, metavar="FILE", help="the instrument's file, or a table")
+    parser.add_argument("file", type=path, metavar="FILE", help="the instrument's file, or a table")
     parser.add_argument("--test", metavar="NAME_OR_NUMBER", help="one test only (default: all)")
     reading_arguments(parser)
     parser.add_argument(
@@ -36,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--survey", action="store_true", help="also write a figure and a table of contact, segments and drift"
     )
     parser.add_argument("--formats", action=_Formats, nargs=0, help="list the known formats and units")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="the folder that is written")
+    parser.add_argument("-o", "--output", type=path, required=True, metavar="FOLDER", help="the folder that is written")
 
 
 def reading_arguments(parser: argparse.ArgumentParser) -> None:
@@ -137,17 +137,17 @@ def run(arguments: argparse.Namespace) -> int:
         surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
     paths = [
-        checked_output(arguments.file, path) for path in _paths(arguments.output, [test.name for _, test in readable])
+        checked_output(arguments.file, each) for each in _paths(arguments.output, [test.name for _, test in readable])
     ]
     arguments.output.mkdir(parents=True, exist_ok=True)
     for line in messages(arguments.file, begun):
         warn(line)
     if arguments.stiffness:
         _report_missing_stiffness(arguments.file, [test for _, test in readable])
-    for number, (path, (_, test)) in enumerate(zip(paths, readable, strict=True)):
+    for number, (file, (_, test)) in enumerate(zip(paths, readable, strict=True)):
         stiffness = test.recording.stiffness if arguments.stiffness else None
         notes = provenance(test, arguments.corrections)
-        place = _written(path, replace(test.recording, notes=notes, stiffness=stiffness).write)
+        place = _written(file, replace(test.recording, notes=notes, stiffness=stiffness).write)
         if surveys and isinstance(found := surveys[number], Survey):
             from palpate.output.figures.recorded_test import draw
 

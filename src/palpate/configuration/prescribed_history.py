@@ -56,7 +56,7 @@ class Histories:
     def _recording(self, entry: Mapping[str, Any]) -> Recording:
         """Return the recording whose load or displacement a condition follows."""
         if entry["load_history"] != RECORDED:
-            return read_history(Path(entry["load_history"]), entry.get("drive", LOAD))
+            return read_history(Path(entry["load_history"]).expanduser(), entry.get("drive", LOAD))
         if entry["name"] in conditions_of(self.source):
             return self.tests()[entry["name"]][0].recording
         for folder in self.recordings.values():

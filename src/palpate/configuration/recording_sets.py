@@ -44,4 +44,4 @@ def recording_sets(settings: Mapping[str, Any]) -> dict[str, Path]:
                 f"{name} is converted from the vendor's file, too", remedy="take it out here or under source",
                 place=f"laboratory.{name}",
             )  # fmt: skip
-    return {name: Path(folder) for name, folder in given.items()}
+    return {name: Path(folder).expanduser() for name, folder in given.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,8 @@ def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]
                 "data is given, but the study has no section source", remedy="leave data off", place="data"
             )
         return {}
-    source = {**settings["source"], "file": locate(settings["source"]["file"], data)}
+    given = None if data is None else os.path.expanduser(data)
+    source = {**settings["source"], "file": locate(os.path.expanduser(settings["source"]["file"]), given)}
     conditions = [entry["name"] for entry in settings["conditions"]]
     for key, name, known in (
         ("recordings", source["recordings"], list(settings.get("recordings", {}))),

@@ -29,9 +29,9 @@ from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.screen import Screen, count_of_trials
 from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit, orthonormal
-from palpate.inference.prescribed_segments import segments
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.study.prescribed_segments import segments
 
 DEGREE = 2  # of the polynomials over segments
 LEAST = 1e-3  # part of a filter outside the tangent space, below which it shows nothing

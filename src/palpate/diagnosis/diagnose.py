@@ -1,291 +1,228 @@
-"""From recordings to a verdict: adequate, identified, suspected, ambiguous or unexplained."""
+"""From recordings to the probabilities of all sets of mechanisms, and to a verdict."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from palpate.diagnosis.accepted import (
-    CLOSE,
-    accepted_of,
-    at_least,
-    best_first,
-    closest_first,
-    included_in,
-    is_special_case,
-    likeliest_of_each,
-    may_be_named,
-    verdict_of,
-    without_redundant,
-    zero_on_average,
+from palpate.diagnosis.accepted import sufficient_to_identify, zero_on_average
+from palpate.diagnosis.effect_size import effect_size
+from palpate.diagnosis.explanations import (
+    Explanations,
+    Members,
+    acting,
+    family_inclusion,
+    inclusion,
+    may_act_together,
+    smallest_group,
 )
 from palpate.diagnosis.search import Candidate, Search
-from palpate.diagnosis.side_by_side import Prospect, SideBySide
+from palpate.diagnosis.side_by_side import ExplanationToTry, ParallelFits
 from palpate.errors import PalpateError
 from palpate.inference.explanation import Fit
-from palpate.inference.problem import Explanation
 from palpate.mechanisms import MECHANISMS
+
+LIKELY = 0.01  # probability of a set from which on the size of its effects is computed
+LIKELIER = 0.5  # probability from which on the law counts as off by more than the tolerance
+SURE = 0.95  # probability from which on it counts as within
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class DiagnosisOutcome:
     """The verdict, and the fits from which it follows.
 
     Attributes
     ----------
     verdict
         ``adequate``, ``identified``, ``suspected``, ``ambiguous`` or ``unexplained``.
+    law_within_tolerance
+        ``true``, ``false`` or ``undecided``.
     base
-        The base model, and the test of it.
+        The base model.
     accepted
-        The accepted explanations, best first.
+        The explanations of the group that holds the probability, best first; none where the base model is adequate or
+        nothing explains the recordings.
     probabilities
-        Their posterior probabilities, if one of them is true.
+        Of the accepted ones, over all sets.
+    all_sets
+        Probability of every set of mechanisms that they, and no others, act by more than the smallest effect, the
+        likeliest first.
     tried
-        Every explanation that was fitted, best first; where none is accepted, the closest first.
+        Every explanation that was fitted, best first.
     failed
         Why others could not be fitted, by their mechanisms.
     """
 
     verdict: str
+    law_within_tolerance: str
     base: Candidate
     accepted: list[Candidate]
     probabilities: list[float]
+    all_sets: Mapping[Members, float]
     tried: list[Candidate]
-    failed: dict[str, str]
+    failed: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def inclusion(self) -> dict[str, float]:
+        """Probability of each mechanism that it acts by more than the smallest effect, over all sets."""
+        return inclusion(self.all_sets)
+
+    @property
+    def family_inclusion(self) -> dict[str, float]:
+        """The same of each family."""
+        return family_inclusion(self.all_sets)
 
 
-def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis:
+def diagnose(search: Search, report: Callable[[str], None] = print) -> DiagnosisOutcome:
     """Diagnose the recordings of a search.
 
-    The base model is tested first. If it fails, mechanisms are added to it one by one, those with the largest
-    optimistic log evidence first; each is fitted together with the material on the finite elements, and its residual is
-    tested. An explanation is accepted if its residual is noise and its evidence is within a ratio of 100 of the best
-    tried, so that a single accepted one should be wrong in less than one case of a hundred. Where none is, but the
-    likeliest leaves no more than noise and the error of the mesh may leave, that is fitted to its end and tested once
-    more, see `Search.finished`. So are the accepted ones and those that come close to them, before they are compared.
-    As long as none is accepted, sets with one mechanism more are tried in the same way, up to the study's
-    ``diagnosis.largest_set``. Larger sets than the accepted ones are fitted where their optimistic log evidence is far
-    larger; those that hold a special case of an accepted mechanism in its place, also where it is about as large. One
-    that contradicts an exact law is never accepted. A single accepted explanation is identified where the recordings
-    suffice, see `may_be_named` and `zero_on_average`; else it is suspected.
+    Every set of mechanisms, up to the study's ``diagnosis.largest_set``, has an evidence to first order; the likeliest
+    is fitted together with the material on the finite elements, and the sets that are larger by one mechanism are
+    estimated anew from there, until no set is left that is not negligible beside the likeliest. Fits that come close to
+    it are compared on finer meshes. The smallest group of sets that holds the probability `SearchPolicy.held` gives the
+    verdict:
+
+    ``adequate``     the empty set is in the group, and the law is not off by more than the tolerance;
+    ``identified``   there is one set, every family of it is as good as certain, its effects exceed the smallest one and
+                     lie within their plausible ranges;
+    ``suspected``    there is one set, short of that;
+    ``ambiguous``    there are several sets, the empty one not among them;
+    ``unexplained``  the law is off by more than the tolerance whatever effects are added, and no family is certain.
     """
-    level, base = search.study.diagnosis["significance"], search.base
     failed = dict(search.screen.failed)
     for key, reason in failed.items():
         report(f"{key}: {reason}")
-    report(f"base model: log evidence {base.fit.log_evidence:.1f}, p = {base.p_value:.3g}")
-    if base.adequate(level):
-        return Diagnosis("adequate", base, [], [], [base], failed)
-    with SideBySide(search) as side_by_side:
-        accepted, tried = _accepted(side_by_side, failed, report)
-    verdict, probabilities = verdict_of(accepted)
-    if verdict == "identified":
-        best = accepted[0].fit
-        if not may_be_named(search.problem, best.explanation) or zero_on_average(best):
-            verdict = "suspected"
-    return Diagnosis(verdict, base, accepted, probabilities, tried, failed)
+    base = search.base
+    report(f"base model: log evidence {base.fit.log_evidence:.1f}")
+    found = Explanations(len(search.screen.keys))
+    found.add(base)
+    with ParallelFits(search) as fits:
+        _explore(fits, found, failed, report)
+    _compare_on_finer_meshes(search, found, report)
+    return _verdict(search, found, failed)
 
 
-def _accepted(
-    side_by_side: SideBySide, failed: dict[str, str], report: Callable[[str], None]
-) -> tuple[list[Candidate], list[Candidate]]:
-    """Return the accepted explanations, and all that were fitted, both best first.
+def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], report: Callable[[str], None]) -> None:
+    """Fit sets of mechanisms until none is left that may matter.
 
     Parameters
     ----------
-    side_by_side
+    fits
         Fits explanations.
+    found
+        Gains the fits and the estimates.
     failed
         Gains the reasons why others could not be fitted.
     report
         Called with one line on the progress.
     """
-    search = side_by_side.search
-    level, largest = search.study.diagnosis["significance"], search.study.diagnosis["largest_set"]
-    tried, found = [search.base], [search.base]
-    for number in range(largest):
-        most = search.policy.most_sets if number else search.policy.most
-        found = _fitted(side_by_side, found, most, failed, report)
-        if found and not any(each.adequate(level) for each in found) and search.explains(found[0].fit):
-            found = best_first([*_finished(search, found[:1], report), *found[1:]])
-        tried = likeliest_of_each(found + tried)
-        if accepted := accepted_of(found, tried, level):
-            special = _special_cases(search, accepted[0], tried, report)
-            larger = _larger(side_by_side, accepted, special, tried, failed, report) if number + 1 < largest else []
-            tried = likeliest_of_each(larger + special + tried)
-            accepted = accepted_of(likeliest_of_each(larger + special + accepted), tried, level)
-            compared = _compared(search, accepted, tried)
-            finished = _finished(search, compared, report)
-            tried = likeliest_of_each([*finished, *(each for each in tried if each not in compared)])
-            if accepted := accepted_of(finished, finished, level):
-                return without_redundant(accepted), tried
-            found = [each for each in tried if len(each.fit.explanation) == number + 1]
-    closest, *others = closest_first(tried)
-    tried = closest_first([*_finished(search, [closest], report), *others])
-    accepted = accepted_of(tried[:1], tried, level)
-    return accepted, best_first(tried) if accepted else tried
+    search = fits.search
+    policy, largest = search.policy, search.study.diagnosis["largest_set"]
+    to_try: dict[Members, ExplanationToTry] = {}
+
+    def extend(fit: Fit) -> None:
+        if len(fit.explanation) >= largest:
+            return
+        for key in [key for key in search.screen.keys if may_act_together(fit.explanation, key)]:
+            each = ExplanationToTry(fit, key, search.log_evidence(fit, key))
+            if each.members in found.fitted or "+".join(sorted(each.members)) in failed:
+                continue
+            found.estimate(each.members, frozenset(fit.explanation), each.log_evidence - fit.log_evidence)
+            if each.members not in to_try or each.log_evidence > to_try[each.members].log_evidence:
+                to_try[each.members] = each
+
+    extend(search.base.fit)
+    for _ in range(policy.most):
+        likely = sorted(to_try.values(), key=lambda each: -found.log_weight(each.members))
+        best = max(found.log_weight(members) for members in found.fitted)
+        if not likely or found.log_weight(likely[0].members) < best + np.log(policy.negligible) - policy.rough:
+            break
+        chosen, *others = likely
+        del to_try[chosen.members]
+        name = "+".join(sorted(chosen.members))
+        try:
+            candidate = search.candidate(fits.fitted(chosen, others))
+        except PalpateError as error:
+            failed[name] = str(error)
+            found.estimated.pop(chosen.members)
+            report(f"{name}: {error}")
+            continue
+        found.add(candidate)
+        evidence = candidate.fit.log_evidence
+        report(f"{name}: expected {chosen.log_evidence:.1f}, log evidence {evidence:.1f}")
+        extend(candidate.fit)
 
 
-def _larger(
-    side_by_side: SideBySide,
-    accepted: list[Candidate],
-    special: list[Candidate],
-    tried: list[Candidate],
-    failed: dict[str, str],
-    report: Callable[[str], None],
-) -> list[Candidate]:
-    """Return sets with one mechanism more than accepted ones, and than some with a special case, that may be likely.
-
-    Parameters
-    ----------
-    special
-        Special cases of the accepted ones, refitted.
-    side_by_side, accepted, tried, failed, report
-        See `_accepted`.
-    """
-    policy = side_by_side.search.policy
-    best = max(each.fit.log_evidence for each in special + accepted)
-    likelier, as_likely = best + policy.behind_adequate, best - CLOSE
-    larger = _fitted(side_by_side, accepted, policy.most_sets, failed, report, likelier)
-    included = included_in(accepted, tried)
-    return larger + _fitted(side_by_side, included, policy.most_sets, failed, report, as_likely)
+def _compare_on_finer_meshes(search: Search, found: Explanations, report: Callable[[str], None]) -> None:
+    """Finish the fits that come close to the likeliest, with the special cases of the best set refitted from there."""
+    best = max(found.fitted, key=found.log_weight)
+    for explanation, z in _special_cases(search, found.fitted[best].fit):
+        try:
+            found.add(search.candidate(search.fitted(explanation, [z], found.fitted[best].fit.curve)))
+        except PalpateError as error:
+            report(f"{'+'.join(explanation)} again: {error}")
+    least = max(map(found.log_weight, found.fitted)) - search.policy.compared
+    for members in [members for members in found.fitted if found.log_weight(members) >= least]:
+        candidate = found.fitted[members]
+        finished = search.finished(candidate)
+        if finished is not candidate:
+            found.fitted[members] = finished
+            name = "+".join(sorted(members)) or "base model"
+            report(f"{name} in the end: log evidence {finished.fit.log_evidence:.1f}")
 
 
-def _compared(search: Search, accepted: list[Candidate], tried: list[Candidate]) -> list[Candidate]:
-    """Return the explanations that are compared on finer meshes: those accepted, and others that may be there.
-
-    The base model rests on finer meshes already. The others were fitted on the mesh of the search, which leaves up to
-    half of its error beside some mechanisms, so that their evidence is rough.
-    """
-    if not accepted:
-        return []
-    possible = [each for each in tried if each in accepted or (search.explains(each.fit) and not each.contradicts)]
-    evidence = max(each.fit.log_evidence for each in accepted) - search.policy.behind_adequate
-    likelihood = max(each.fit.log_likelihood for each in accepted) - search.policy.behind_adequate
-    return at_least(possible, evidence, likelihood)
-
-
-def _finished(search: Search, explanations: Sequence[Candidate], report: Callable[[str], None]) -> list[Candidate]:
-    """Return explanations whose fits went to their ends, best first, see `Search.finished`."""
-    found = [search.finished(each) for each in explanations]
-    for each in [each for each in found if each not in explanations]:
-        name = "+".join(each.fit.explanation)
-        report(f"{name} in the end: log evidence {each.fit.log_evidence:.1f}, p = {each.p_value:.3g}")
-    return best_first(found)
-
-
-def _special_cases(
-    search: Search, accepted: Candidate, tried: Sequence[Candidate], report: Callable[[str], None]
-) -> list[Candidate]:
-    """Return the special cases of an accepted set, refitted from its optimum, where that fits better.
+def _special_cases(search: Search, fit: Fit) -> list[tuple[tuple[str, ...], np.ndarray]]:
+    """Return the special cases of a set, each with its coordinates (k,) in the set's own fit.
 
     Their own searches may have stopped at another local minimum, which the additional mechanism allowed to leave. Those
     far behind to first order, whatever the free parameters become, are left out.
     """
-    fit, better = accepted.fit, []
-    floor, smaller = fit.log_evidence - search.policy.behind_set, search.neighbours(fit) if fit.explanation[1:] else []
-    hopeless = {each.explanation for each in smaller if each.optimistic_log_evidence < floor}
-    for explanation, z in _begun(search, fit):
-        if explanation in hopeless:
-            continue
-        stopped = [each.fit.log_evidence for each in tried if set(each.fit.explanation) == set(explanation)]
-        try:
-            again = search.examined(search.fitted(explanation, [z], fit.curve))
-        except PalpateError as error:
-            report(f"{'+'.join(explanation)} again: {error}")
-            continue
-        if again.fit.log_evidence > max(stopped, default=-np.inf):
-            better.append(again)
-            report(f"{'+'.join(explanation)} again: log evidence {again.fit.log_evidence:.1f}, p = {again.p_value:.3g}")
-    return better
-
-
-def _begun(search: Search, fit: Fit) -> Iterator[tuple[Explanation, np.ndarray]]:
-    """Yield the special cases of a set, each with its coordinates (k,) in the set's own fit."""
+    found = []
+    if len(fit.explanation) > 1:
+        floor = fit.log_evidence - search.policy.behind_set
+        hopeless = {n.explanation for n in search.neighbours(fit) if n.optimistic_log_evidence < floor}
+        without = [search.problem.without(fit.explanation, fit.z, key) for key in fit.explanation]
+        found += [each for each in without if each[0] not in hopeless]
     for key in fit.explanation:
-        if len(fit.explanation) > 1:
-            yield search.problem.without(fit.explanation, fit.z, key)
         for included in [other for other in MECHANISMS[key].includes if other in search.screen.keys]:
-            yield search.problem.special_case(fit.explanation, fit.z, key, included)
+            if included not in fit.explanation:
+                found.append(search.problem.special_case(fit.explanation, fit.z, key, included))
+    return found
 
 
-def _prospects(search: Search, fits: Sequence[Fit]) -> dict[frozenset[str], Prospect]:
-    """Return the sets with one mechanism more than `fits`, by their mechanisms; of each the most optimistic way to it.
+def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> DiagnosisOutcome:
+    """Return the verdict that follows from the probabilities."""
+    settings, policy, base = search.study.diagnosis, search.policy, found.fitted[frozenset()]
+    stated = found.probabilities()
+    acts = {
+        members: {key: effect_size(found.fitted[members].fit, key).acts(settings["smallest_effect"]) for key in members}
+        for members, probability in stated.items()
+        if members in found.fitted and probability >= LIKELY
+    }
+    probabilities = acting(stated, acts)
+    group = [m for m in smallest_group(probabilities, policy.held) if m in found.fitted] or [frozenset()]
+    tried = [found.fitted[members] for members in sorted(found.fitted, key=lambda each: -found.log_weight(each))]
+    within = [found.fitted[m].within(settings["tolerance"], settings["significance"]) for m in group]
+    whole = float(np.average(within, weights=[probabilities[m] for m in group]))
+    tolerated = "false" if whole < 1.0 - LIKELIER else "true" if whole >= SURE else "undecided"
+    undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, tried, failed)
+    certain = max(undecided.family_inclusion.values(), default=0.0) >= policy.certain
+    if tolerated == "false" and (base.fit.errors.law is None or not certain):
+        return replace(undecided, verdict="unexplained")
+    if frozenset() in group:
+        return replace(undecided, verdict="adequate")
+    verdict = "ambiguous" if len(group) > 1 else _of_one_set(search, undecided, group[0])
+    accepted, of_them = [found.fitted[m] for m in group], [probabilities[m] for m in group]
+    return replace(undecided, verdict=verdict, accepted=accepted, probabilities=of_them)
 
-    Its optimistic log evidence is that of the smaller set, which is an optimistic one itself where that fit was given
-    up, plus the largest gain that the effects on curves and the exact laws, those about the mechanism that joins and
-    those that it breaks, allow for it. A mechanism and one that it includes do not act together.
-    """
-    ways: dict[frozenset[str], Prospect] = {}
-    for fit in fits:
-        misfits = list(zip(fit.laws, fit.law_misfits, strict=True))
-        for key in [key for key in search.screen.keys if key not in fit.explanation]:
-            if any(is_special_case((key,), (other,)) or is_special_case((other,), (key,)) for other in fit.explanation):
-                continue
-            own, joined = (key, *MECHANISMS[key].includes), (*fit.explanation, key)
-            of_laws = sum(misfit for law, misfit in misfits if law.key in own or not law.holds_under(joined))
-            begun = fit.log_evidence if fit.converged else fit.optimistic_log_evidence
-            way = Prospect(fit, key, begun + 0.5 * (search.screen.gain(fit, key) + of_laws))
-            if way.members not in ways or way.optimistic > ways[way.members].optimistic:
-                ways[way.members] = way
-    return ways
 
-
-def _matters_beside(search: Search, way: Prospect, evidence: float) -> bool:
-    """Return whether a prospect may be accepted beside an adequate set of that log evidence, or make it unlikely."""
-    return way.optimistic > evidence + CLOSE or not search.cannot_leave_noise(way.fit, way.key)
-
-
-def _fitted(
-    side_by_side: SideBySide,
-    smaller: Sequence[Candidate],
-    most: int,
-    failed: dict[str, str],
-    report: Callable[[str], None],
-    floor: float = -np.inf,
-) -> list[Candidate]:
-    """Fit the sets with one mechanism more that have the largest optimistic log evidence, and return them, best first.
-
-    None is fitted whose optimistic log evidence lies below the `floor`.
-
-    Sets far behind the best are left out where the estimate is trusted: that from a fit not far from the recordings,
-    and any once some are fitted or one leaves about as much as noise. Once a set is adequate, those that could not be
-    accepted beside it are left out, too. A linearisation holds near one point only: where the residual of a set is
-    close to noise, sets with another mechanism in place of one of its own are estimated again from there, and their
-    search starts there.
-    """
-    search, done = side_by_side.search, list[Candidate]()
-    policy, level = search.policy, search.study.diagnosis["significance"]
-    behind, ways = -np.inf, _prospects(search, [candidate.fit for candidate in smaller])
-    for _ in range(most):
-        if not ways:
-            break
-        way, *likely = sorted(ways.values(), key=lambda way: -way.optimistic)
-        del ways[way.members]
-        explained = any(each.adequate(level) or search.explains(each.fit) for each in done)
-        trusted = explained or len(done) >= policy.least or way.fit.misfit_ratio <= policy.trusted
-        if way.optimistic < floor or (trusted and way.optimistic < behind):
-            break
-        name = "+".join(sorted([*way.fit.explanation, way.key]))
-        try:
-            candidate = search.examined(side_by_side.fitted(way, likely))
-        except PalpateError as error:
-            failed[name] = str(error)
-            report(f"{name}: {error}")
-            continue
-        done.append(candidate)
-        failed.pop(name, None)
-        evidence = candidate.fit.log_evidence
-        behind = max(behind, evidence - (policy.behind_adequate if candidate.adequate(level) else policy.behind_best))
-        report(
-            f"{name}: expected at best {way.optimistic:.1f}, log evidence {evidence:.1f}, p = {candidate.p_value:.3g}"
-        )
-        if candidate.adequate(level):
-            ways = {members: way for members, way in ways.items() if _matters_beside(search, way, evidence)}
-        for members, other in _prospects(search, search.neighbours(candidate.fit)).items():
-            if members in ways and other.optimistic > ways[members].optimistic:
-                ways[members] = other
-    return best_first(done)
+def _of_one_set(search: Search, diagnosis: DiagnosisOutcome, members: Members) -> str:
+    """Return whether the single set of a group is identified or suspected."""
+    (fit,) = (each.fit for each in diagnosis.tried if frozenset(each.fit.explanation) == members)
+    families = {MECHANISMS[key].family for key in members}
+    sure = all(diagnosis.family_inclusion[family] >= search.policy.certain for family in families)
+    enough = sufficient_to_identify(search.problem, fit.explanation)
+    outside = np.abs(fit.coordinates.beyond(fit.z)[search.problem.material :]).max(initial=0.0) > 0.0
+    return "identified" if sure and enough and not outside and not zero_on_average(fit) else "suspected"

@@ -9,21 +9,24 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
-from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.diagnose import DiagnosisOutcome
+from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.limits import limits
-from palpate.diagnosis.locate import Residuals
+from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import Account, discriminating_test
+from palpate.diagnosis.nothing_further import nothing_further
 from palpate.diagnosis.own_values import in_mean, recording_values
-from palpate.diagnosis.scaling_check import similarity
+from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Candidate
 from palpate.diagnosis.undetected import largest_undetected
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
-from palpate.inference.estimates import determined
+from palpate.inference.estimates import determined, law_discrepancy
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
 from palpate.inference.posterior import draws_to_first_order, posterior_draws
+from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
 OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
@@ -151,8 +154,17 @@ def _accepted(
     }
 
 
+def _pattern(
+    study: Study, base: Candidate, residuals: Residuals, location: Sequence[Mapping[str, Any]], screen: Screen
+) -> str | None:
+    """Return what the residual of a rejected base model follows where no single part is significant."""
+    if base.p_value >= study.diagnosis["significance"] or any(row["q_value"] < CERTAIN for row in location):
+        return None
+    return residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})[0]
+
+
 def _next_test(
-    study: Study, diagnosis: Diagnosis, draws: list[np.ndarray], keys: Iterable[str]
+    study: Study, diagnosis: DiagnosisOutcome, draws: list[np.ndarray], keys: Iterable[str]
 ) -> dict[str, Any] | None:
     """Return the test that separates what is open between two accounts of the recordings.
 
@@ -170,13 +182,13 @@ def _next_test(
     return None if hidden is None else discriminating_test(study, accounts[-1], accounts[-1].with_hidden(hidden))
 
 
-def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
-    """Return the row of an explanation that was fitted; its evidence is with a discrepancy where none is `accepted`."""
-    weighed = candidate.fit if accepted else candidate.fit.with_discrepancy
+def _tried(candidate: Candidate, diagnosis: DiagnosisOutcome) -> dict[str, Any]:
+    """Return the row of an explanation that was fitted."""
     return {
         "mechanisms": sorted(candidate.fit.explanation),
-        "log_evidence": weighed.log_evidence,
-        "p_value": candidate.p_value,
+        "probability": diagnosis.all_sets.get(frozenset(candidate.fit.explanation), 0.0),
+        "log_evidence": candidate.fit.log_evidence,
+        "discrepancy": law_discrepancy(candidate.fit),
         "rmse_nm": float(np.sqrt(np.mean(candidate.fit.left**2))),
         "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
         "material": material_at(candidate.fit),
@@ -186,10 +198,10 @@ def _tried(candidate: Candidate, accepted: bool) -> dict[str, Any]:
 def to_mapping(
     study: Study,
     observed: Mapping[str, Observation],
-    diagnosis: Diagnosis,
+    diagnosis: DiagnosisOutcome,
     rng: np.random.Generator,
+    screen: Screen,
     own_laws: OwnLaws | None = None,
-    keys: Sequence[str] = (),
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Return the content of `diagnosis.json` and the table of curves before and after.
 
@@ -201,34 +213,42 @@ def to_mapping(
         The verdict and its fits.
     rng
         Source of the draws from posteriors.
+    screen
+        Effects of the mechanisms that were considered.
     own_laws
         Amplitudes that exact laws give for each recording of each condition.
-    keys
-        Mechanisms that were considered.
     """
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
+    residuals = Residuals.of(base.fit, study.diagnosis["tolerance"])
+    location = residuals.located()
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise
-    draws = [posterior_draws(candidate.fit, rng) for candidate in diagnosis.accepted]
-    of_base = draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit, rng)
+    draws = [posterior_draws(candidate.fit) for candidate in diagnosis.accepted]
+    of_base = draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit)
     before = material_parameters(base.fit, of_base, verdict == "adequate")
     after = material_parameters(best, draws[0], explained=True) if draws else before
     content = {
         "verdict": verdict,
+        "law_within_tolerance": diagnosis.law_within_tolerance,
         "p_value": base.p_value,
-        "location": Residuals.of(base.fit).located(),
+        "location": location,
+        "pattern": _pattern(study, base, residuals, location, screen),
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
-        "similarity": similarity(base.fit) if study.indenter.sharp else [],
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
+        "inclusion": dict(sorted(diagnosis.inclusion.items(), key=lambda each: -each[1])),
+        "family_inclusion": dict(sorted(diagnosis.family_inclusion.items(), key=lambda each: -each[1])),
+        "nothing_further": nothing_further(diagnosis, best.explanation, screen),
+        "discrepancy": discrepancy(best),
+        "discrepancy_base": law_discrepancy(base.fit),
         "candidates": [
             _accepted(study, observed, *found, own_laws)
             for found in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
         ],
-        "discriminating_test": _next_test(study, diagnosis, [*draws, of_base], keys),
+        "discriminating_test": _next_test(study, diagnosis, [*draws, of_base], screen.keys),
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after},
-        "tried": [_tried(candidate, verdict != "unexplained") for candidate in diagnosis.tried],
+        "tried": [_tried(candidate, diagnosis) for candidate in diagnosis.tried],
         "noise": {name: float(np.sqrt(v)) for name, v in noise.variances.items()}
         | {"sigma_nm": noise.sigma.tolist(), "autocorrelation": noise.autocorrelation.tolist()},
         "limits": limits(study, diagnosis, failed, rng),

@@ -10,18 +10,17 @@ from palpate.configuration.study_file import Study
 from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.candidates import KINDS_OF_TESTS
-from palpate.diagnosis.diagnose import Diagnosis
+from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.protocol import LOAD
 
-COARSE = 0.01  # relative error of the simulation above which it is said that a misfit may lie within it
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 OUTSIDE = 0.005  # of a range, beyond its ends: a parameter is reported as outside
 
 
-def limits(study: Study, diagnosis: Diagnosis, failed: Mapping[str, str], rng: np.random.Generator) -> list[str]:
+def limits(study: Study, diagnosis: DiagnosisOutcome, failed: Mapping[str, str], rng: np.random.Generator) -> list[str]:
     """Return all limits of a diagnosis.
 
     Parameters
@@ -75,17 +74,12 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
             f"All tests reach the same largest {kinds.pop()}: a change of the material's parameters can have the same "
             f"effect as {effects}."
         )
-    if study.calibration["solver_error"] >= COARSE:
-        messages.append(
-            f"The study allows the simulation an error of {study.calibration['solver_error']:.0%} of the depth: a "
-            "misfit within it counts as explained, even far above the noise."
-        )
     if not any(item.role == "validate" for item in problem.observed.values()):
         messages.append("No condition was held out: the improvement cannot be checked on tests that were not fitted.")
     return messages
 
 
-def without_mean(diagnosis: Diagnosis) -> list[str]:
+def without_mean(diagnosis: DiagnosisOutcome) -> list[str]:
     """Return which effects of the most likely accepted explanation may be zero in the mean of the recordings."""
     return [
         f"The mean of {MECHANISMS[key].title} does not differ from zero: it explains that single recordings "
@@ -95,7 +89,7 @@ def without_mean(diagnosis: Diagnosis) -> list[str]:
     ]
 
 
-def far_out(diagnosis: Diagnosis) -> list[str]:
+def far_out(diagnosis: DiagnosisOutcome) -> list[str]:
     """Return which quantities of the most likely explanation lie outside their ranges."""
     found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
     if not found:
@@ -110,7 +104,7 @@ def outside(fit: Fit) -> list[str]:
     return [f"{each.name} {float(each.physical(x)):.3g}" for each, x, far in quantities if far]
 
 
-def follows_tests(diagnosis: Diagnosis, level: float, rng: np.random.Generator) -> list[str]:
+def follows_tests(diagnosis: DiagnosisOutcome, level: float, rng: np.random.Generator) -> list[str]:
     """Return which effect on single recordings depends on the test, where no explanation was accepted."""
     if diagnosis.verdict != "unexplained":
         return []

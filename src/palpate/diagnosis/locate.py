@@ -1,20 +1,34 @@
-"""Where simulation and recordings differ: the mean residual of each part of a test, with false-discovery control."""
+r"""Where simulation and recordings differ: the signed mean residual of parts of the tests, with their q-values.
+
+A part is tested against the same alternative to noise as the whole: noise of the recordings, the error of the mesh and
+a discrepancy of the law that is no larger than the study tolerates. So the covariance C is that of the fit with the
+share of the discrepancy cut at the tolerance. Where that is less than what the fit estimated, the parameters move, to
+first order by (T' C^-1 T)^+ T' C^-1 r with the tangent T, and the residual is that after the move.
+
+Each segment of each cycle is halved, and the halves once more. These places are fixed beforehand, so that where the
+residual changes its sign is no choice that a probability would have to allow for; all of them count among the tests.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_solve
-from scipy.stats import false_discovery_control
+from scipy.stats import chi2, false_discovery_control
 from scipy.stats import t as student
 
 from palpate.inference.estimated_noise import freedom
-from palpate.inference.explanation import Fit
-from palpate.inference.prescribed_segments import segments
+from palpate.inference.explanation import Fit, orthonormal
+from palpate.study.prescribed_segments import by_cycle
 
 CERTAIN = 0.05  # share of false discoveries below which a misfit of a part is reported
+QUARTER = 2  # points of a quarter of a segment, at least
+Place = tuple[str, int]  # name of a part, and which half of it: 0 for all of it
+DEGREE = 2  # of the polynomials over segments, as in `palpate.diagnosis.detect`
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +38,7 @@ class Residuals:
     Attributes
     ----------
     fit
-        The fit.
+        The fit, with a discrepancy of the law that is no larger than tolerated.
     left : ndarray, shape (n_all, n_all)
         Takes from recorded curves what the fit does not absorb.
     covariance : ndarray, shape (n_all, n_all)
@@ -36,12 +50,20 @@ class Residuals:
     covariance: np.ndarray
 
     @classmethod
-    def of(cls, fit: Fit) -> Residuals:
-        """Return those of a fit."""
+    def of(cls, fit: Fit, tolerance: float = np.inf) -> Residuals:
+        """Return those of a fit, with a law's discrepancy of at most a `tolerance`, as a share of the depth [-]."""
+        law = fit.errors.law
+        if law is not None and law.share > tolerance:
+            fit = replace(fit, errors=replace(fit.errors, law=law.sized(tolerance, law.own)))
         white = fit.whiten(fit.tangent)
         absorbed = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
         left = np.eye(len(absorbed)) - cho_solve((fit.factor, True), absorbed)
         return cls(fit, left, fit.errors.covariance - absorbed)
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """Recorded less simulated depths (n_all,) [nm], after the parameters' move to first order."""
+        return self.left.T @ self.fit.residual
 
     def weighted(self, weights: np.ndarray) -> tuple[float, float]:
         """Return the weighted sum of recorded less simulated depths, and the probability that it is noise.
@@ -54,32 +76,96 @@ class Residuals:
         weights : ndarray, shape (n_all,)
         """
         weights = weights - self.fit.by_sites.T @ weights
-        value, variance = float(weights @ self.fit.residual), float(weights @ self.covariance @ weights)
+        value, variance = float(weights @ self.residual), float(weights @ self.covariance @ weights)
         variance = max(variance, 1e-12 * float(weights @ weights))
         free = freedom(self.fit, self.left @ weights, variance)
         return value, float(2 * student.sf(abs(value) / np.sqrt(variance), free))
 
     def located(self) -> list[dict[str, Any]]:
-        """Return the mean residual (recorded less simulated depth) of each part of the tests, the most certain first.
+        """Return the mean residual (recorded less simulated depth) of parts of the tests, the most certain first.
 
-        Of a test whose loads are recorded it is the depth under the same load: a larger load means a smaller one.
-        The q-values are those of Benjamini & Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300.
+        Each row has `condition`, `cycle` (from 1), `segment`, `part` (``early`` or ``late`` half, or the ``whole``
+        segment), `from_s` and `to_s`, the signed `residual_nm` and `q_value`. Where the sign of the residual changes
+        between halves the whole is left out, and where it does so within a half its quarters stand for it. Of a test
+        whose loads are recorded the residual is the depth under the same load: a larger load means a smaller one.
+
+        The q-values are those of Y. Benjamini and Y. Hochberg, J. R. Stat. Soc. B 57 (1995) 289-300, among all parts.
         """
-        fit, first = self.fit, 0
+        problem, first = self.fit.problem, 0
+        segments: list[dict[Place, int]] = []
         rows: list[dict[str, Any]] = []
-        p_values = []
-        for condition in fit.problem.conditions:
-            sign = np.sign(fit.problem.shares[condition.name])
-            for name, where in segments(condition.protocol).items():
-                places = first + np.flatnonzero(where)
-                half = (len(places) + 1) // 2
-                for part, chosen in (("early", places[:half]), ("late", places[half:]), ("whole", places)):
-                    weights = np.zeros(len(fit.residual))
-                    weights[chosen] = sign / len(chosen)
+        p_values: list[float] = []
+        for condition in problem.conditions:
+            time, sign = condition.protocol.sample_time, float(np.sign(problem.shares[condition.name]))
+            for (cycle, name), where in by_cycle(condition.protocol).items():
+                parts = _parts(np.flatnonzero(where))
+                segments.append({place: len(rows) + k for k, place in enumerate(parts)})
+                for place, chosen in parts.items():
+                    weights = np.zeros(len(self.fit.residual))
+                    weights[first + chosen] = sign / len(chosen)
                     mean, p_value = self.weighted(weights)
-                    rows.append({"condition": condition.name, "segment": name, "part": part, "residual_nm": mean})
+                    row = {"condition": condition.name, "cycle": cycle, "segment": name, "part": place[0]}
+                    begin = float(time[chosen[0] - 1]) if chosen[0] else 0.0
+                    row |= {"from_s": begin, "to_s": float(time[chosen[-1]])}
+                    rows.append(row | {"residual_nm": mean})
                     p_values.append(p_value)
-            first += len(condition.protocol.sample_time)
+            first += len(time)
         for row, q in zip(rows, false_discovery_control(p_values), strict=True):
             row["q_value"] = float(q)
-        return sorted(rows, key=lambda row: (row["q_value"], -abs(row["residual_nm"])))
+        shown = [rows[k] for places in segments for k in _of_one_sign(places, [row["residual_nm"] for row in rows])]
+        return sorted(shown, key=lambda row: (row["q_value"], -abs(row["residual_nm"])))
+
+    def pattern(self, effects: Mapping[str, np.ndarray]) -> tuple[str, float]:
+        """Return the name of the pattern that the residual follows most clearly, and its p-value, of that one alone.
+
+        It says what rejected a model of which no single part is significant.
+
+        Parameters
+        ----------
+        effects : mapping of ndarray, shape (n_all, k)
+            Columns of each pattern by its name [nm], such as the effect of a mechanism, or its values in each test.
+            Polynomials over each segment of each cycle are added.
+        """
+        fit, found = self.fit, {}
+        for name, columns in {**effects, **dict(self._polynomials())}.items():
+            basis = orthonormal(fit.whiten(np.reshape(columns, (len(fit.residual), -1))), fit.tangent_space, 1e-3)
+            if basis.shape[1]:
+                found[name] = float(chi2.logsf(np.sum((basis.T @ fit.white) ** 2), basis.shape[1]))
+        name = min(found, key=lambda key: found[key])
+        return name, float(np.exp(found[name]))
+
+    def _polynomials(self) -> Iterator[tuple[str, np.ndarray]]:
+        first, size = 0, len(self.fit.residual)
+        for condition in self.fit.problem.conditions:
+            pieces = by_cycle(condition.protocol)
+            for (cycle, segment), where in pieces.items():
+                columns, rows = np.zeros((size, DEGREE + 1)), first + np.flatnonzero(where)
+                columns[rows] = np.vander(np.linspace(-1, 1, len(rows)), DEGREE + 1)
+                of_cycle = f" of cycle {cycle}" if max(pieces)[0] > 1 else ""
+                yield f"slow change during {segment}{of_cycle} of {condition.name}", columns
+            first += len(condition.protocol.sample_time)
+
+
+def _parts(places: np.ndarray) -> dict[Place, np.ndarray]:
+    """Return the indices of a segment (n,), of its halves and, where there are enough, of their halves."""
+    half = (len(places) + 1) // 2
+    found: dict[Place, np.ndarray] = {("whole", 0): places}
+    for name, chosen in (("early", places[:half]), ("late", places[half:])):
+        found[name, 0] = chosen
+        middle = (len(chosen) + 1) // 2
+        if len(chosen) - middle >= QUARTER:
+            found |= {(name, 1): chosen[:middle], (name, 2): chosen[middle:]}
+    return found
+
+
+def _of_one_sign(places: Mapping[Place, int], residual: list[float]) -> list[int]:
+    """Return the numbers of those parts of a segment within which the residual (n_parts,) keeps its sign."""
+
+    def changes(one: Place, two: Place) -> bool:
+        return one in places and residual[places[one]] * residual[places[two]] < 0.0
+
+    shown = [] if changes(("early", 0), ("late", 0)) else [places["whole", 0]]
+    for name in ("early", "late"):
+        chosen = (1, 2) if changes((name, 1), (name, 2)) else (0,)
+        shown += [places[name, which] for which in chosen]
+    return shown

@@ -10,10 +10,10 @@ import numpy as np
 from palpate.configuration.study_file import Condition, Study
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
-from palpate.inference.covariance import components_under, refinement_covariance
+from palpate.inference.covariance import components_under, model_covariance, refinement_covariance
+from palpate.inference.discrepancy import Discrepancy
 from palpate.inference.explanation import Fit
 from palpate.inference.observation import Observation
-from palpate.inference.solver_error import model_covariance
 
 ROUNDS = 20  # of the reweighting for Student's distribution, which converges by then
 
@@ -128,6 +128,11 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
     )
     refined = refinement_covariance([fit.problem.refinement(fit.model, condition)])
     common = model_covariance({condition.name: curve}, study.calibration["solver_error"], fit.problem.shares)
+    if law := fit.errors.law:
+        alone = Discrepancy.of(
+            [condition.protocol], fit.problem.sharp, {condition.name: curve}, law.law_error, fit.problem.shares
+        )
+        common = common + alone.sized(law.share, law.own).covariance
     return noise / count + common + refined
 
 

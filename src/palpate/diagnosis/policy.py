@@ -11,37 +11,40 @@ class SearchPolicy:
 
     Parameters
     ----------
-    behind_best
-        By how much the logarithm of the optimistic evidence may lie behind the best fit, once `least` are fitted.
-    behind_adequate
-        The same behind one that leaves only noise: more than twice that of a ratio of 100, within which explanations
-        are accepted beside each other. Those within `behind_adequate` are compared on finer meshes: in a case of the
+    held
+        Probability that the smallest group of sets of mechanisms holds, by which a verdict is given.
+    negligible
+        Probability of a set, relative to the likeliest, below which it is not refitted and counts to first order.
+    rough
+        Error of a log evidence to first order that is allowed for before a set counts as negligible.
+    compared
+        By how much a log evidence may lie behind the best one where it is compared on finer meshes: in a case of the
         blind trial the truth gained 6.5 there.
     behind_set
-        The same of special cases behind an accepted set. A name too many is the worst error, and what follows to first
-        order without one of the mechanisms is rough: in a case of the blind trial the truth seemed to lie 150 behind.
-    least, most, most_sets
-        Numbers of explanations that are fitted at least, and at most, with one mechanism and with several.
+        The same of special cases behind a set of several mechanisms. A name too many is the worst error, and what
+        follows to first order without one of the mechanisms is rough: in a case of the blind trial the truth seemed to
+        lie 150 behind.
+    most
+        Number of explanations that are fitted at most, beside the base model.
+    certain
+        Inclusion of a family from which on it is identified.
     mechanism_penalty
         By how much one more mechanism must raise the log-likelihood of the residual before that residual is taken as
         the noise of recordings without replicates: a parameter costs one by Akaike's criterion, about three by
         Schwarz's.
-    trusted
-        Chi-square per degree of freedom of an explanation up to which the optimistic evidence of larger ones is trusted
-        before `least` are fitted.
     outside
         By how many of its ranges a parameter may lie outside before the explanation is fitted once more from within.
     threads
         Fits that run at once, each on a core; what is found does not depend on it.
     """
 
-    behind_best: float = 40.0
-    behind_adequate: float = 10.0
+    held: float = 0.95
+    negligible: float = 0.01
+    rough: float = 1.0
+    compared: float = 10.0
     behind_set: float = 400.0
-    least: int = 5
-    most: int = 8
-    most_sets: int = 5
+    most: int = 16
+    certain: float = 0.99
     mechanism_penalty: float = 2.0
-    trusted: float = 3.0
     outside: float = 1.0
     threads: int = 1

@@ -14,11 +14,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.special import logsumexp
 from scipy.stats import qmc
 
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit, orthonormal
+from palpate.inference.explanation import DENSITY_ONE, PRIOR_VARIANCE, Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
@@ -29,6 +30,7 @@ ADDED = np.linspace(0.0, 1.0, 9)
 SCATTERED = 8  # places for several quantities
 ADDED_SCATTERED = 32
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
+NEUTRAL = 0.02  # of a range, within which an amplitude counts as none
 STARTS = 3  # amplitudes of least misfit, at which a search may begin
 
 
@@ -78,18 +80,55 @@ class Screen:
         """Return the coordinates (d,) of the mechanism's amplitudes there."""
         return self.trials[key][self._shown(key)]
 
-    def gain(self, fit: Fit, key: str) -> float:
-        """Return the largest decrease of chi-square, to first order, once a mechanism joins a fit.
+    def log_evidence(self, fit: Fit, key: str) -> float:
+        """Return the log evidence once a mechanism joins a fit, to first order.
 
-        Each simulated effect is scaled by a factor up to `FURTHEST`; for a mechanism that varies also by one for each
-        condition, less the expected decrease of one for each further factor.
+        Each simulated effect is taken in proportion to a positive coefficient, with the mean square that an even prior
+        over the range gives it; the material and the size of the law's discrepancy are integrated over. The evidence is
+        the mean over the amplitudes tried.
+        An amplitude that differs between recordings has another one in each condition, too.
         """
-        found = float(np.max(self._shares(fit, key)[1], initial=0.0))
+        columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
+        own = np.empty((len(fit.residual), 0))
         if MECHANISMS[key].varies:
-            basis = orthonormal(fit.whiten(fit.problem.own_values(key)), fit.tangent_space)
-            along = basis.T @ fit.off_tangent(fit.white)
-            found = max(found, float(np.sum(along**2)) - basis.shape[1] + 1.0)
-        return found
+            own = fit.problem.own_values(key)
+            own = own * self._typical(fit, key)
+        marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
+        first, count = 1 + k, len(self.effects[key])
+        found = []
+        for number, variance in enumerate(self._prior_variances(fit, key)):
+            trial = marginal.of_columns([*range(first), first + number])
+            shared = np.append(np.full(k, DENSITY_ONE), variance)
+            found.append(logsumexp(trial.log_prior + trial.log_densities(shared, positive=True)))
+        if own.shape[1]:
+            each = marginal.of_columns([*range(first), *range(first + count, first + count + own.shape[1])])
+            spread = np.append(np.full(k, DENSITY_ONE), np.ones(own.shape[1]))
+            found.append(logsumexp(each.log_prior + each.log_densities(spread)) + np.log(count))
+        at = marginal.of_columns(range(first))
+        without = logsumexp(at.log_prior + at.log_densities(DENSITY_ONE, fit.converged))
+        mass = fit.problem.coordinates((key,)).log_mass(fit.problem.material)
+        return fit.log_evidence + float(logsumexp(found)) - np.log(count) - float(without) - mass
+
+    def _prior_variances(self, fit: Fit, key: str) -> np.ndarray:
+        """Return the prior variance (m,) of the coefficient of each trial, one where there are several quantities.
+
+        Where the amplitude is even over the range, its mean square about the neutral value is a third of the square of
+        the way to the farther end.
+        """
+        places = self.trials[key]
+        if places.shape[1] > 1:
+            return np.ones(len(places))
+        coordinate = fit.problem.coordinates((key,)).free[fit.problem.material]
+        name = coordinate.name.split(".")[1]
+        neutral = MECHANISMS[key].neutral.get(name, coordinate.lower)
+        start = float(np.clip(coordinate.scaled(neutral), 0.0, 1.0))
+        away = np.maximum(np.abs(places[:, 0] - start), NEUTRAL)
+        return (max(start, 1.0 - start) / away) ** 2 / 3.0
+
+    def _typical(self, fit: Fit, key: str) -> np.ndarray:
+        """Return the size (m,) of the columns of `Problem.own_values`: a tenth of the largest plausible amplitude."""
+        sizes = [0.1 * fit.problem.largest(amplitude) for amplitude in fit.problem.typical(key)]
+        return np.tile(sizes, len(fit.problem.conditions))
 
     def with_effect(self, fit: Fit, key: str) -> Fit:
         """Return a fit with a mechanism's effect of largest gain added to its curves, to first order in all else."""

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from threading import Event
 
 import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.detect import examine, replicates_differ
+from palpate.diagnosis.detect import examine
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.screen import Screen
 from palpate.errors import PalpateError
@@ -37,19 +38,34 @@ class Candidate:
     ----------
     fit
         Its best parameters.
-    p_value
-        Of what it leaves being noise.
+    examined
+        Returns the p-value of what it leaves.
     contradicts
         The exact laws that its amplitudes contradict.
     """
 
     fit: Fit
-    p_value: float
+    examined: Callable[[Fit], float]
     contradicts: tuple[AmplitudeConstraint, ...] = ()
 
-    def adequate(self, significance: float) -> bool:
-        """Return whether nothing but noise is left and no exact law is contradicted."""
-        return self.p_value >= significance and not self.contradicts
+    @cached_property
+    def p_value(self) -> float:
+        """Of what it leaves being noise, error of the mesh and a tolerable discrepancy of the law."""
+        return self.examined(self.fit)
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """What is compared between fits of one set: one that contradicts no exact law, then the likeliest."""
+        return not self.contradicts, self.fit.log_evidence
+
+    def within(self, tolerance: float, significance: float) -> float:
+        """Return the probability that the law departs by no more than a tolerance [-].
+
+        Where the law is taken to be exact, it is one if the p-value reaches the significance, and zero else.
+        """
+        if self.fit.errors.law is None:
+            return float(self.p_value >= significance)
+        return self.fit.within(tolerance)
 
 
 class Search:
@@ -86,18 +102,22 @@ class Search:
     ):
         self.study, self._rng = study, rng
         self.policy = policy or SearchPolicy()
-        self._fitter = Fitter(problem, study.calibration["site_scatter"], study.calibration["solver_error"])
+        errors = (study.calibration[name] for name in ("site_scatter", "solver_error", "law_error"))
+        self._fitter = Fitter(problem, *errors)
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or self._fitter.scattered(rng))
-        refined = on_finer_meshes if self.explains(base) else with_finer_curves
-        base = self._fitter.rest_on(refined(self._fitter, base))
+        if self.explains(base):
+            base = on_finer_meshes(self._fitter, base)
+        elif base.errors.law is None:
+            base = with_finer_curves(self._fitter, base)
+        base = self._fitter.rest_on(base)
         self.problem = base.problem
         self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
         self._fitter.laws = tuple(laws(base)) if laws else ()
-        self.base = self.examined(replace(base, laws=self._fitter.laws))
+        self.base = self.candidate(replace(base, laws=self._fitter.laws))
 
     def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
         """Fit an explanation, see `palpate.inference.fitting.Fitter.fitted`."""
@@ -155,10 +175,10 @@ class Search:
                 again = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
                 fit = max(fit, again, key=lambda each: each.log_evidence)
         fit = on_finer_meshes(self._fitter, fit)
-        return candidate if fit is candidate.fit else self.examined(fit)
+        return candidate if fit is candidate.fit else self.candidate(fit)
 
     def explains(self, fit: Fit) -> bool:
-        """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
+        """See `palpate.inference.fitting.Fitter.explains`."""
         return self._fitter.explains(fit)
 
     def neighbours(self, fit: Fit) -> list[Fit]:
@@ -174,16 +194,33 @@ class Search:
                 found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, fit.laws))
         return found
 
-    def examined(self, fit: Fit) -> Candidate:
-        """Test what a fit leaves."""
-        draws, scatter = self.study.diagnosis["bootstrap"], self.study.calibration["site_scatter"]
-        left = examine(fit, self.screen, self._rng, draws, scatter)
-        return Candidate(fit, left, tuple(contradicted(fit, fit.laws)))
+    def candidate(self, fit: Fit) -> Candidate:
+        """Return a fit as an explanation."""
+        return Candidate(fit, self._p_value, tuple(contradicted(fit, fit.laws)))
 
-    def cannot_leave_noise(self, fit: Fit, key: str) -> bool:
-        """Return whether no fit of a mechanism that joins can leave noise, because replicates differ in another way."""
-        level, scatter = self.study.diagnosis["significance"], self.study.calibration["site_scatter"]
-        return not MECHANISMS[key].varies and replicates_differ(fit, self.screen.keys, scatter, level)
+    def _p_value(self, fit: Fit) -> float:
+        """Test what a fit leaves, with the same draws for all."""
+        draws, scatter = self.study.diagnosis["bootstrap"], self.study.calibration["site_scatter"]
+        law = fit.errors.law
+        if law and law.share > self.study.diagnosis["tolerance"]:
+            fit = replace(fit, errors=replace(fit.errors, law=law.sized(self.study.diagnosis["tolerance"], law.own)))
+        return examine(fit, self.screen, np.random.default_rng([self.study.seed, 2]), draws, scatter)
+
+    def log_evidence(self, fit: Fit, key: str) -> float:
+        """Return the log evidence once a mechanism joins a fit, to first order.
+
+        Where its amplitudes differ between recordings, replicates tell as well. An exact law about the mechanism, or
+        one that it breaks, is satisfied at best.
+        """
+        problem, mechanism = self.problem, MECHANISMS[key]
+        found = self.screen.log_evidence(fit, key)
+        if mechanism.varies and problem.replicated:
+            scatter, own = self.study.calibration["site_scatter"], problem.typical(key)
+            wider, usual = (noise_of(problem, each, fit.residual, scatter).log_likelihood for each in (own, ()))
+            found += wider - usual
+        broken = [not law.holds_under((*fit.explanation, key)) for law in fit.laws]
+        about = [law.key in (key, *mechanism.includes) for law in fit.laws]
+        return found + 0.5 * float(fit.law_misfits @ np.logical_or(broken, about))
 
     def _estimate_noise_without_replicates(self, base: Fit) -> None:
         """Estimate the noise from the residual of the best-fitting set of mechanisms, less slow trends.

@@ -18,20 +18,20 @@ from palpate.inference.explanation import Fit
 
 
 @dataclass(frozen=True, eq=False)
-class Prospect:
+class ExplanationToTry:
     """An explanation that may be fitted.
 
     Parameters
     ----------
     fit, key
         The smaller explanation, and the mechanism that joins it.
-    optimistic
-        Logarithm of the evidence that it may reach, to first order.
+    log_evidence
+        To first order.
     """
 
     fit: Fit
     key: str
-    optimistic: float
+    log_evidence: float
 
     @property
     def members(self) -> frozenset[str]:
@@ -39,8 +39,8 @@ class Prospect:
         return frozenset((*self.fit.explanation, self.key))
 
 
-class SideBySide:
-    """Fits of prospects, some begun before they are asked for.
+class ParallelFits:
+    """Fits of explanations, some begun before they are asked for.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class SideBySide:
 
     def __init__(self, search: Search):
         self.search, self._pool = search, ThreadPoolExecutor(search.policy.threads)
-        self._begun: dict[Prospect, Future[Fit]] = {}
+        self._begun: dict[ExplanationToTry, Future[Fit]] = {}
         self._stop = Event()
 
     def __enter__(self) -> Self:
@@ -60,13 +60,13 @@ class SideBySide:
         self._stop.set()
         self._pool.shutdown(cancel_futures=True)
 
-    def fitted(self, way: Prospect, likely: Sequence[Prospect]) -> Fit:
-        """Fit a prospect.
+    def fitted(self, chosen: ExplanationToTry, likely: Sequence[ExplanationToTry]) -> Fit:
+        """Fit an explanation.
 
         Parameters
         ----------
-        way
-            The prospect.
+        chosen
+            The explanation.
         likely
             Those that may be asked for next, the most likely first; they are begun where there are threads for them.
 
@@ -75,7 +75,7 @@ class SideBySide:
         PalpateError
             When the forward model fails wherever the fit may begin.
         """
-        for each in (way, *likely[: self.search.policy.threads - 1]):
+        for each in (chosen, *likely[: self.search.policy.threads - 1]):
             if each not in self._begun:
                 self._begun[each] = self._pool.submit(self.search.joined, each.fit, each.key, self._stop)
-        return self._begun.pop(way).result()
+        return self._begun.pop(chosen).result()

@@ -16,6 +16,7 @@ from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
 from palpate.diagnosis.exact_constraints import ExactLaws
+from palpate.diagnosis.model_free import model_free
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
@@ -100,13 +101,14 @@ def diagnosed(
     )
     found = diagnose(search, report)
     own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
-    content, curves = to_mapping(study, problem.observed, found, rng, own_laws, search.screen.keys)
+    content, curves = to_mapping(study, problem.observed, found, rng, search.screen, own_laws)
     best = found.accepted[0] if found.accepted else found.base
     explained = found.verdict != "unexplained"
     content["undetected_effects"] = undetected_effects(best.fit, search.screen.keys) if explained else {}
     content["joint_intervals"] = joint_intervals(best.fit, search.screen) if explained else {}
     content["limits"] += wide_intervals(best.fit, content["joint_intervals"])
     content["study"] = study.name
+    content["model_free"] = [fact.row() for fact in model_free(study, recorded, problem.observed)]
     laws = found.base.fit.laws
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]

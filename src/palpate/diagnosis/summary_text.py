@@ -5,40 +5,72 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from scipy.stats import norm
-
 from palpate.base.parameters import Parameter, in_words
 from palpate.diagnosis import missing_physics
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS, Mechanism
 
 RISEN = 1.05  # ratio of errors from which they are reported to rise
-CLEARLY = 0.01  # p-value below which a residual is called more than noise
+WORTH_NAMING = 0.05  # inclusion from which on a hidden mechanism is named
 
 
 def sentence(content: Mapping[str, Any]) -> str:
     """Return the summary of a diagnosis, from the content of `diagnosis.json`."""
-    verdict, p = content["verdict"], content["p_value"]
-    probability = _probability(p)
+    verdict, law = content["verdict"], _law(content)
     if verdict == "adequate":
-        claim = f"The base model explains the recordings to their noise ({probability}); no further effect is claimed."
-        return f"{claim}{_next_test(content, _hidden(content))}"
-    start = f"The base model does not explain the recordings ({probability}){_where(content)}."
+        claim = "The base model describes the recordings; no effect of the library is needed beside it."
+        return f"{claim}{law}{_open(content)}{_next_test(content, _hidden(content))}"
     if verdict == "unexplained":
-        none = "No set of known mechanisms that was tried explains it: something else is missing."
-        return f"{start} {none}{_nearest(content)}{missing_physics.in_words(content['missing'])}"
+        claim = "No set of known mechanisms that was tried describes the recordings: something else is missing."
+        return f"{claim}{law}{_nearest(content)}{missing_physics.in_words(content['missing'])}"
+    where = _where(content)
+    start = f"The base model misses the recordings{where}." if where else "The base model alone is improbable."
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
-        return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{_suspected(content)}"
+        found = f"{claim[0].upper()}{claim[1:]} ({_percent(content['candidates'][0]['probability'])})"
+        return f"{start} {found}: {_gain(content)}.{_bias(content)}{law}{_open(content)}"
     if verdict == "suspected":
         best = f"The best explanation: {_claim(content['candidates'][0])}"
         uncertain = _may_be_none(content["candidates"][0])
         why = f", because the mean of the {uncertain} may be zero" if uncertain else ""
         best = f"{best}. These recordings do not suffice to identify it{why}; {_gain(content)}."
-        return f"{start} {best}{_next_test(content, 'it from the base model')}"
+        return f"{start} {best}{law}{_next_test(content, 'it from the base model')}"
     names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
     names = f"Each of these explains it, and these tests do not distinguish them: {names}"
-    return f"{start} {names}.{_in_all(content)}{_next_test(content, 'the first two')}"
+    return f"{start} {names}.{_in_all(content)}{law}{_next_test(content, 'the first two')}"
+
+
+CLASS_IN_WORDS = {
+    "scaling": "alike at all loads, as the law of the material is",
+    "length": "different at different loads, as what has a length is",
+    "clock": "following the clock, as a drift does",
+    "reversal": "where the load turns, as what belongs to the controller",
+}
+
+
+def _law(content: Mapping[str, Any]) -> str:
+    """Return how far the law is off, and what that resembles."""
+    found = content["discrepancy"]
+    if found is None:
+        return ""
+    size = f"{100 * found['share']:.2g} % of the depth ({100 * found['lower']:.2g} to {100 * found['upper']:.2g})"
+    alike = f", {CLASS_IN_WORDS[found['class']]}" if found["class"] in CLASS_IN_WORDS else ""
+    within = {
+        "true": "",
+        "false": "; that is more than the tolerance of the study",
+        "undecided": "; whether that is within the tolerance of the study is undecided",
+    }[content["law_within_tolerance"]]
+    return f" What is left departs from the law by {size}{alike}{within}."
+
+
+def _open(content: Mapping[str, Any]) -> str:
+    """Return how probable it is that nothing further acts, and what may hide."""
+    found = content["nothing_further"]
+    hidden = [
+        MECHANISMS[each["mechanism"]].title for each in found["hidden"][:2] if each["probability"] >= WORTH_NAMING
+    ]
+    may = f"; most likely hidden: {' or '.join(hidden)}" if hidden else ""
+    return f" That nothing further of the library acts has a probability of {_percent(found['probability'])}{may}."
 
 
 def _next_test(content: Mapping[str, Any], what: str) -> str:
@@ -110,7 +142,7 @@ def _claim(candidate: Mapping[str, Any]) -> str:
 def _nearest(content: Mapping[str, Any]) -> str:
     """Return the most likely explanation, where its residual is clearly more than noise."""
     best = content["tried"][0]
-    if not best["mechanisms"] or best["p_value"] >= CLEARLY:
+    if not best["mechanisms"]:
         return ""
     claims = []
     for key in best["mechanisms"]:
@@ -118,12 +150,7 @@ def _nearest(content: Mapping[str, Any]) -> str:
         found = ((p, best["parameters"][f"{key}.{p.name}"]) for p in mechanism.parameters)
         values = (f"{p.name.replace('_', ' ')} {_amount(value, p)}" for p, value in found)
         claims.append(f"{mechanism.title} ({', '.join(values)})")
-    residual = f"its residual is more than noise ({_probability(best['p_value'])})"
-    return f" The closest is {' with '.join(claims)}, but {residual}."
-
-
-def _probability(p: float) -> str:
-    return "p < 0.002" if p < 0.0021 else f"p = {p:.2g}"
+    return f" The closest is {' with '.join(claims)}."
 
 
 def _in_all(content: Mapping[str, Any]) -> str:
@@ -133,26 +160,11 @@ def _in_all(content: Mapping[str, Any]) -> str:
     return f" All of them need {titles}." if shared else ""
 
 
-def _suspected(content: Mapping[str, Any]) -> str:
-    """Return effects that are not needed, but would differ from zero if they were added, at a family-wise 1 %.
-
-    The intervals are wider where few replicates determine the noise; at 1 % the same factor is assumed.
-    """
-    suspected = []
-    least = norm.isf(0.005 / max(len(content["undetected_effects"]), 1)) / norm.isf(0.025)
-    for name, entry in content["undetected_effects"].items():
-        mechanism, parameter = _amplitude(name)
-        if abs(entry["estimate"]) > least * 0.5 * (entry["upper"] - entry["lower"]):
-            interval = f"({rounded(entry['lower'], 2)} to {rounded(entry['upper'], 2)})"
-            suspected.append(f"{mechanism.title}, {_amount(entry['estimate'], parameter, 2)} {interval}")
-    return f" Suspected, but not needed to explain the recordings: {'; '.join(suspected)}." if suspected else ""
-
-
 def _where(content: Mapping[str, Any]) -> str:
     """Return where the misfit is most significant."""
     found = [row for row in content["location"] if row["q_value"] < CERTAIN]
     if not found:
-        return ""
+        return f" in no single part, but like {content['pattern']}" if content["pattern"] else ""
     row = found[0]
     part = "" if row["part"] == "whole" else f"{row['part']} "
     segment = "the hold" if row["segment"] == "hold" else row["segment"]

@@ -8,6 +8,7 @@ from palpate.draft.solid import STIFFEST_POLYMER, Solid
 
 POLYMER, METAL, ELASTIC = "nonlinear_burgers", "bilinear_plasticity", "elastic"
 ALL_RETURNED = 0.97  # of the work of loading; chosen: what a clean elastic test gives back but for noise and friction
+SHOWN = 0.0005  # of the depth, that is no zero in per cent with one digit
 NO_CREEP = 0.01  # of the depth, in a hold
 
 
@@ -23,6 +24,7 @@ def chosen_law(solid: Solid) -> tuple[str, str]:
         return METAL, f"{by} gives {value:.3g} GPa; no polymer is stiffer than {STIFFEST_POLYMER:g}"
     if solid.returned > ALL_RETURNED and not solid.creep > NO_CREEP:
         return ELASTIC, f"unloading gives {solid.returned:.0%} of the work back"
-    creep = "" if math.isnan(solid.creep) else f"; the depth grows by {solid.creep:.1%} in the hold"
-    lost = "" if math.isnan(solid.returned) else f"; unloading gives {solid.returned:.0%} of the work back"
+    grows = f"grows by {solid.creep:.1%}" if solid.creep >= SHOWN else "does not grow"
+    creep = "" if math.isnan(solid.creep) else f"; the depth {grows} in the hold"
+    lost = f"; unloading gives {solid.returned:.0%} of the work back" if solid.returned >= 0.0 else ""
     return POLYMER, f"no stiffer than a polymer{creep}{lost}"

@@ -9,17 +9,25 @@ import numpy as np
 
 from palpate.base.threads import on_one_thread
 from palpate.errors import InputError, PalpateError
-from palpate.inference.calibration_result import MOST_MISFIT, Calibration
-from palpate.inference.estimates import condition_errors, estimates, intervals, named_matrix, noise_table
+from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
+from palpate.inference.discrepancy import LAW_ERROR
+from palpate.inference.estimates import (
+    condition_errors,
+    estimates,
+    intervals,
+    law_discrepancy,
+    named_matrix,
+    noise_table,
+)
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
-from palpate.inference.genetic import GeneticSettings
 from palpate.inference.genetic_stage import genetic_search
 from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
 from palpate.inference.surrogates import Predictor, Surrogates
+from palpate.surrogate.genetic import GeneticSettings
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 
@@ -40,7 +48,10 @@ class CalibrationSettings:
         Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
-        `palpate.inference.solver_error.model_covariance` says where the default comes from.
+        `palpate.inference.covariance` says where the default comes from.
+    law_error
+        Median of the prior of the law's discrepancy as a share of the depth, standard deviation [-]; 0 takes the law to
+        be exact. See `palpate.inference.discrepancy`.
     """
 
     genetic: GeneticSettings = field(default_factory=GeneticSettings)
@@ -48,13 +59,14 @@ class CalibrationSettings:
     aggregated: bool = False
     site_scatter: float = 0.01
     solver_error: float = 0.003
+    law_error: float = LAW_ERROR
 
     def __post_init__(self) -> None:
         if self.objective not in OBJECTIVES:
             raise InputError(
                 f"objective is {self.objective!r}", remedy=f"use one of: {', '.join(OBJECTIVES)}", place="objective"
             )
-        for name in ("site_scatter", "solver_error"):
+        for name in ("site_scatter", "solver_error", "law_error"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} is negative", remedy="give zero or more", place=name)
 
@@ -68,7 +80,7 @@ def calibrate(
     rng: np.random.Generator,
     settings: CalibrationSettings | None = None,
     report: Callable[[str], None] = print,
-) -> Calibration:
+) -> CalibrationOutcome:
     """Calibrate the parameters on the conditions of a problem.
 
     The genetic search minimises the thesis' objectives on the mean curves. From its optimum least squares go on, on the
@@ -109,11 +121,11 @@ def calibrate(
     report(f"genetic search: {first.evaluations} evaluations")
     problem, fit = base_fit(problem, settings, first.starts, rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
-    found, solved = intervals(fit, rng), _simulated(problem, fit, report)
+    found, solved = intervals(fit), _simulated(problem, fit, report)
     table = condition_errors(problem.recorded, solved)
     weighable = not problem.replicated or fit.misfit_ratio < MOST_MISFIT
     explained = weighable and all(table[name]["r2"] > LEAST_R2 for name in fitted)
-    return Calibration(
+    return CalibrationOutcome(
         parameters=estimates(fit, found, explained),
         conditions=table,
         surrogate_curves=first.curves,
@@ -121,6 +133,7 @@ def calibrate(
         on_surrogates=first.values,
         converged=fit.converged,
         misfit_ratio=fit.misfit_ratio,
+        discrepancy=law_discrepancy(fit),
         correlation=named_matrix(fit.coordinates, found.correlation),
         noise=noise_table(problem, fit.errors.noise),
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),
@@ -180,8 +193,8 @@ def base_fit(
         Called with one line on the progress.
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
-    usual = Fitter(brought, settings.site_scatter, settings.solver_error)
-    fitter = usual if problem.replicated else replace(usual, site_scatter=0.0, solver_error=0.0)
+    usual = Fitter(brought, settings.site_scatter, settings.solver_error, settings.law_error)
+    fitter = usual if problem.replicated else replace(usual, site_scatter=0.0, solver_error=0.0, law_error=0.0)
     begun = [coordinates.scaled(values) for values in starts]
     fit = _from_optimum(fitter, begun[0]) if problem.replicated else None
     if fit is None:
@@ -195,5 +208,5 @@ def base_fit(
     if not problem.replicated:
         fitter = replace(usual, problem=fitter.problem)
         fitter.use_residual_as_noise(fit.residual)
-        fit = replace(fit, errors=fitter.errors((), fit.model, fit.z, fit.curve))
+        fit = fitter.reweighed(fit)
     return brought, fit

@@ -41,7 +41,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, eq=False)
-class Calibration:
+class CalibrationOutcome:
     """What a calibration found.
 
     Attributes
@@ -60,6 +60,9 @@ class Calibration:
         Whether the search on the forward model converged.
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
+    discrepancy
+        `share`, `lower` and `upper` of the standard deviation of the law's discrepancy as a share of the depth, 95 %
+        interval; None where the law is taken to be exact.
     correlation
         Correlations of the free parameters, by name.
     noise
@@ -84,6 +87,7 @@ class Calibration:
     on_surrogates: Mapping[str, float]
     converged: bool
     misfit_ratio: float
+    discrepancy: Mapping[str, float] | None
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
     evaluations: int
@@ -107,3 +111,16 @@ class Calibration:
         """
         content = asdict(self)
         return {name: content[name] for name in content if not name.endswith("_curves")} | extra
+
+
+def rmse(content: Mapping[str, Any], role: str, unit: str = "nm") -> float | None:
+    """Return the root mean square error over the conditions of a role, in nm or mN; None where there is none.
+
+    Parameters
+    ----------
+    content
+        Of ``calibration.json``.
+    """
+    entries = [entry for entry in content["conditions"].values() if entry["role"] == role]
+    errors = [entry[f"rmse_{unit}"] for entry in entries if f"rmse_{unit}" in entry]
+    return float(np.sqrt(np.mean(np.square(errors)))) if errors else None

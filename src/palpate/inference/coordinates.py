@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import norm
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
@@ -154,6 +155,15 @@ class Coordinates:
     def beyond(self, u: np.ndarray) -> np.ndarray:
         """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
         return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
+
+    def log_mass(self, first: int) -> float:
+        """Return the logarithm of the mass of the prior of the coordinates from number `first` on, within the limits.
+
+        The prior has a density of one over the range and falls off beyond as a Gaussian of its width.
+        """
+        least, largest = (ends[first:] for ends in self.limits)
+        beyond = norm.cdf(np.maximum(largest - 1.0, 0.0)) - norm.cdf(np.minimum(least, 0.0))
+        return float(np.log1p(np.sqrt(2.0 * np.pi) * beyond).sum())
 
     def at_limit(self, u: np.ndarray) -> np.ndarray:
         """Return which coordinates (k,) lie on a limit."""

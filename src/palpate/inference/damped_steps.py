@@ -33,11 +33,11 @@ class Steps:
     slopes: np.ndarray
 
     @classmethod
-    def of(cls, misfit: Misfit, search: Descent, discrepancy: float | None = None) -> Steps:
-        """Return the steps from where a search is, weighted with a discrepancy [nm^2]; by default with that there."""
-        if discrepancy is None:
-            discrepancy = misfit.discrepancy(misfit.residual(search.curves))
-        weights = misfit.weights(discrepancy)
+    def of(cls, misfit: Misfit, search: Descent, remainder: float | None = None) -> Steps:
+        """Return the steps from where a search is, weighted with a remainder [nm^2]; by default with that there."""
+        if remainder is None:
+            remainder = misfit.remainder(misfit.residual(search.curves))
+        weights = misfit.weights(remainder)
         residual = np.append(weights @ misfit.residual(search.curves), misfit.of_parameters(search.u))
         slopes = np.vstack([weights @ misfit.stacked(search.slopes), misfit.slopes_of_parameters(search.u)])
         return cls(misfit, search.u, weights, residual, slopes)

@@ -1,12 +1,11 @@
-r"""Parts of a `Calibration`: estimates with 95 % intervals, errors and noise, in physical units and by name.
+r"""Parts of a `CalibrationOutcome`: estimates with 95 % intervals, errors and noise, in physical units and by name.
 
 Intervals are quantiles of the posterior, see `palpate.inference.posterior`: of curves to second order about the
-estimate, with the noise of the recordings, the error of the solver, and the prior of `palpate.inference.coordinates`.
-Where the model does not explain the recordings to these errors, chi-square is divided by its ratio to the degrees of
-freedom (R. T. Birge, Phys. Rev. 40 (1932) 207-227), so that the intervals are wider by the root of that.
+estimate, with the noise of the recordings, the error of the solver, the discrepancy of the law, and the prior of
+`palpate.inference.coordinates`.
 
-A parameter is identified when its interval is narrower than half its range and does not end at a limit of the law: an
-interval that fills most of the range says little more than the range did.
+A parameter is identified when its estimate lies within its range, and its interval is narrower than half of that and
+does not end at a limit of the law: an interval that fills most of the range says little more than the range did.
 """
 
 from __future__ import annotations
@@ -47,9 +46,9 @@ class Intervals:
     correlation: np.ndarray
 
 
-def intervals(fit: Fit, rng: np.random.Generator) -> Intervals:
-    """Return the intervals about a fit; `rng` draws from its posterior."""
-    draws = posterior_draws(fit, rng)
+def intervals(fit: Fit) -> Intervals:
+    """Return the intervals about a fit."""
+    draws = posterior_draws(fit)
     lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
     return Intervals(np.minimum(lower, fit.z), np.maximum(upper, fit.z), np.atleast_2d(np.corrcoef(draws.T)))
 
@@ -79,8 +78,8 @@ def estimates(fit: Fit, found: Intervals, explained: bool) -> dict[str, Estimate
     """
     coordinates = fit.coordinates
     low, high = coordinates.named(found.lower), coordinates.named(found.upper)
-    identified = determined(coordinates, found.lower, found.upper) & explained
     at_bound, outside = coordinates.at_limit(fit.z), np.abs(fit.z - 0.5) > 0.5 + 1e-9
+    identified = determined(coordinates, found.lower, found.upper) & explained & ~outside
     flags = dict(zip(coordinates.names, zip(identified, at_bound, outside, strict=True), strict=True))
     estimated = {}
     for name, value in coordinates.named(fit.z).items():
@@ -93,6 +92,17 @@ def determined(coordinates: Coordinates, lower: np.ndarray, upper: np.ndarray) -
     """Return which coordinates (k,) recordings determine, by the ends of their intervals (k,)."""
     ended = coordinates.at_limit(lower) | coordinates.at_limit(upper)
     return (upper - lower < WIDEST_IDENTIFIED) & ~ended
+
+
+def law_discrepancy(fit: Fit) -> dict[str, float] | None:
+    """Return `share`, `lower` and `upper` of the standard deviation of the law's discrepancy [-], if allowed for.
+
+    Median and 95 % interval of the size in `palpate.inference.discrepancy`.
+    """
+    if fit.errors.law is None:
+        return None
+    share, lower, upper = fit.law_share([0.5, 0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2])
+    return {"share": float(share), "lower": float(lower), "upper": float(upper)}
 
 
 def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky, solve_triangular
+from scipy.special import logsumexp
 
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures, widenings
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.covariance import Errors
+from palpate.inference.discrepancy import Marginal
 from palpate.inference.forward import Forward, under_each
-from palpate.inference.least_squares import central_slopes, discrepancy
+from palpate.inference.least_squares import central_slopes, remainder
 from palpate.inference.problem import Explanation, Problem
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
 VANISHES = 1e-9  # standard deviations of the noise: an effect that is none
+SAME_SIZE = 0.3  # of the logarithm of the discrepancy's size, within which weights hardly change the estimate
 DEPENDENT = 1e-10  # singular value of unit columns, below which they are linearly dependent
 
 
@@ -100,6 +104,11 @@ class Fit:
         """Lower Cholesky factor of the covariance."""
         return cholesky(self.errors.covariance, lower=True)
 
+    @cached_property
+    def factor_of_known(self) -> np.ndarray:
+        """The same without the discrepancy of the law."""
+        return cholesky(self.errors.known, lower=True)
+
     def whiten(self, values: np.ndarray) -> np.ndarray:
         """Return L^-1 values."""
         return solve_triangular(self.factor, values, lower=True)
@@ -118,7 +127,7 @@ class Fit:
         """
         if self.problem.replicated:
             return np.zeros((len(self.residual), len(self.residual)))
-        errors = self.with_discrepancy.errors
+        errors = self.with_remainder.errors
         variance = errors.noise.variances["site"]
         parts = zip(errors.components, errors.counts, strict=True)
         sites = block_diag(*(variance / count * part["site"] for part, count in parts))
@@ -175,9 +184,13 @@ class Fit:
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Log-likelihood of the means, of the laws and, where there are replicates, of their differences."""
-        noise = self.errors.noise
-        return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume
+        """Log-likelihood of the means, of the laws and, where there are replicates, of their differences.
+
+        The size of the law's discrepancy is the likeliest one, and counts with its prior.
+        """
+        noise, law = self.errors.noise, self.errors.law
+        prior = law.log_prior if law and law.share else 0.0
+        return (noise.log_likelihood if noise.replicated else 0.0) - 0.5 * self.misfit - self.log_volume + prior
 
     @cached_property
     def posterior(self) -> np.ndarray:
@@ -203,27 +216,86 @@ class Fit:
     def _information_of_laws(self) -> np.ndarray:
         return self.law_tangent.T @ self.law_tangent
 
+    def marginal(self, columns: np.ndarray) -> Marginal:
+        """Return the products of columns (n_all, c) for every size of the law's discrepancy.
+
+        The columns are a residual, then slopes by the coordinates (k), whose prior and exact laws count as data, then
+        whatever else joins the curves.
+        """
+        found = Marginal.of(self.factor_of_known, self.errors.law, columns)
+        beyond = self.coordinates.beyond(self.z)
+        slopes = np.vstack([np.diag(1.0 * (beyond != 0.0)), self.law_tangent])
+        rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(self.z)))
+        return found.with_data(np.column_stack([-np.append(beyond, self.from_laws(self.z)), slopes, rest]))
+
+    @cached_property
+    def _sizes(self) -> tuple[Marginal, np.ndarray]:
+        """The nodes of the discrepancy's size, and the logarithm of evidence times prior at each (q,)."""
+        marginal = self.marginal(np.column_stack([self.residual, self.tangent]))
+        return marginal, marginal.log_prior + marginal.log_densities(DENSITY_ONE, self.converged)
+
+    def sized(self) -> Fit:
+        """Return the same with the likeliest size of the law's discrepancy, the parameters integrated over."""
+        if self.errors.law is None:
+            return self
+        marginal, density = self._sizes
+        likeliest = int(np.argmax(density))
+        law = self.errors.law.sized(float(marginal.shares[likeliest]), float(marginal.own[likeliest]))
+        return replace(self, errors=replace(self.errors, law=law))
+
+    def alike(self, other: Fit) -> bool:
+        """Return whether another fit's discrepancy of the law has about the same size."""
+        own, others = self.errors.law, other.errors.law
+        if own is None or others is None or not others.share:
+            return own is others
+        return abs(np.log(own.share / others.share)) < SAME_SIZE and own.own == others.own
+
+    def within(self, tolerance: float) -> float:
+        """Return the probability that the best parameters leave no more than a share of the depth, see `law_share`."""
+        if self.errors.law is None:
+            return 1.0
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        return float(np.exp(density - logsumexp(density)) @ (left <= tolerance))
+
+    def law_share(self, quantiles: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Return quantiles of what the best parameters leave without noise, a root mean square in shares of the depth.
+
+        Each size of the law's discrepancy counts with its probability; it is zero where the law is taken to be exact.
+        """
+        if self.errors.law is None:
+            return np.zeros(len(quantiles))
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        order = np.argsort(left)
+        weights = np.exp(density - density.max())[order]
+        middle = np.cumsum(weights) - 0.5 * weights
+        return np.exp(np.interp(quantiles, middle / weights.sum(), np.log(left[order])))
+
     @cached_property
     def log_evidence(self) -> float:
-        """Laplace's approximation with priors of density one over the ranges."""
-        relative = np.eye(len(self.z)) + DENSITY_ONE * self.information
-        return self.log_likelihood - 0.5 * float(np.linalg.slogdet(relative)[1])
+        """Laplace's approximation, integrated over the size of the law's discrepancy.
+
+        The prior of the amplitudes is normalised within their limits; that of the material has a density of one over
+        the ranges, the same for all explanations.
+        """
+        noise = self.errors.noise
+        known = noise.log_likelihood if noise.replicated else 0.0
+        known -= 0.5 * float(widenings(self.laws, self.explanation).sum())
+        return known + float(logsumexp(self._sizes[1])) - self.coordinates.log_mass(self.problem.material)
 
     @property
     def optimistic_log_evidence(self) -> float:
         """Log evidence at the optimum to first order, where the fit was taken at other values of the parameters."""
-        off = self.off_tangent(self.white)
-        return self.log_evidence + 0.5 * float(self.white @ self.white - off @ off)
+        return replace(self, converged=True).log_evidence
 
     @cached_property
-    def with_discrepancy(self) -> Fit:
-        """The same fit, weighted by the known errors and a discrepancy that makes chi-square its degrees of freedom.
+    def with_remainder(self) -> Fit:
+        """The same fit, weighted by the known errors and a remainder that makes chi-square its degrees of freedom.
 
         Its parameters were found with these weights. Explanations that all fail are compared with them, too: by the
         known errors alone, the one that follows the smallest details best would count as the closest.
         """
-        more = discrepancy(self.residual, *np.linalg.eigh(self.errors.covariance), len(self.z))
-        return replace(self, errors=replace(self.errors, discrepancy=more))
+        more = remainder(self.residual, *np.linalg.eigh(self.errors.covariance), len(self.z))
+        return replace(self, errors=replace(self.errors, remainder=more))
 
     @property
     def log_volume(self) -> float:

@@ -45,6 +45,9 @@ class FitPolicy:
         with 1.3 at most in cases of the blind trial.
     finer_meshes
         Chi-square per degree of freedom up to which a fit goes on with finer meshes.
+    finer_share
+        Discrepancy of the law, as a share of the depth, up to which that matters: finer meshes change 0.07 % of the
+        depth, and what is left of their error is a third of it.
     finer_steps
         Largest number of simulated steps with them where the edge of contact matters; two suffice where the fit before
         ended five standard deviations away.
@@ -68,6 +71,7 @@ class FitPolicy:
     noise_error: float = 0.3
     refined: float = 10.0
     finer_meshes: float = 1.5
+    finer_share: float = 0.002
     finer_steps: int = 3
     first_order: float = 0.5
 

@@ -1,9 +1,11 @@
 """Fits of an explanation, material and mechanisms together, to the recordings on a forward model.
 
-A fit is weighted by the known errors: the noise of the recordings, estimated from replicates, and the error of the
-solver. Further misfit counts as a discrepancy of the model, see `palpate.inference.least_squares`. Where a fit comes
-near to what noise leaves it goes on with the model of record, known there, weighted by the noise of the recordings
-alone. The explanation without a mechanism is the base model: a calibration fits it, and a diagnosis begins with it.
+A fit is weighted by the noise of the recordings, estimated from replicates, by the error of the solver, and by the
+discrepancy of the law, whose size is that which is likeliest where the search arrives, the parameters integrated over
+(`palpate.inference.discrepancy`). What is left far from there counts as a remainder, see
+`palpate.inference.least_squares`. Where a fit comes near to what these errors leave it goes on with the model of
+record, known there, without a remainder. The explanation without a mechanism is the base model: a calibration fits it,
+and a diagnosis begins with it.
 """
 
 from __future__ import annotations
@@ -43,6 +45,8 @@ class Fitter:
         Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     solver_error
         Relative error of grid convergence of the forward model, standard deviation [-].
+    law_error
+        Median of the prior of the law's discrepancy [-]; 0 where the law is taken to be exact.
     policy
         How far a fit goes.
     laws
@@ -52,10 +56,12 @@ class Fitter:
     problem: Problem
     site_scatter: float
     solver_error: float
+    law_error: float = 0.0
     policy: FitPolicy = field(default_factory=FitPolicy)
     laws: tuple[AmplitudeConstraint, ...] = ()
     _residual_as_noise: np.ndarray = field(init=False, repr=False)
     _noise: dict[tuple[Amplitude, ...], NoiseModel] = field(init=False, repr=False)
+    _size: tuple[float, float] | None = field(init=False, repr=False, default=None)
 
     def __post_init__(self) -> None:
         self.use_residual_as_noise(np.zeros(len(self.problem.mean)))
@@ -129,7 +135,7 @@ class Fitter:
             end = self._searched(misfit, model, begun, depth, until)
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
-        fit = with_own_values(self.at_end(explanation, model, end, weighed))
+        fit = with_own_values(self.at_end(explanation, model, end, weighed)).sized()
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
@@ -145,7 +151,25 @@ class Fitter:
         if record is not model:
             fit, goal = self._weighed_by(fit, record, misfit)
             end = resumed(goal, record, end, until)
-        return self.at_end(explanation, record, end, fit.errors)
+        return self.settled(self.at_end(explanation, record, end, fit.errors), until)
+
+    def settled(self, fit: Fit, until: Until) -> Fit:
+        """Return a fit after the size of the law's discrepancy and the parameters agree.
+
+        The size changes little from where a search ended, so one more search suffices.
+        """
+        again = fit.sized()
+        if again is fit or not self.near(again) or again.alike(fit):
+            return again
+        responses = self.problem.responses
+        begun = Descent(fit.z, responses(fit.curve), responses(fit.tangent), exact=False)
+        end = descend(self.goal(again), fit.model, [begun], until)
+        return self.at_end(fit.explanation, fit.model, end, again.errors).sized()
+
+    def reweighed(self, fit: Fit) -> Fit:
+        """Return a fit of the base model by the errors of these settings, after a search with them."""
+        fit = replace(fit, errors=self.errors((), fit.model, fit.z, fit.curve))
+        return self.settled(fit, Until(self.policy.base_iterations, self.policy.tolerance)) if self.law_error else fit
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
         """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""
@@ -163,8 +187,8 @@ class Fitter:
         return self.near(self.at_end((), model, begun, errors))
 
     def goal(self, fit: Fit) -> Misfit:
-        """Return the misfit of a model without a discrepancy, by the errors of a fit."""
-        return replace(self._misfit(fit.explanation, fit.errors), allow_discrepancy=False)
+        """Return the misfit of a model without a remainder, by the errors of a fit."""
+        return replace(self._misfit(fit.explanation, fit.errors), allow_remainder=False)
 
     def at_end(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
         """Return the fit at which a search ended.
@@ -184,11 +208,15 @@ class Fitter:
     def rest_on(self, base: Fit) -> Fit:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
         self.problem, self._noise = replace(self.problem, forward=base.model, at=base.z), {}
+        law = base.errors.law
+        self._size = (law.share, law.own) if law else None
         return replace(base, problem=self.problem)
 
     def explains(self, fit: Fit) -> bool:
-        """Return whether a fit leaves no more than noise and the error of the mesh may leave, by its chi-square."""
-        return fit.misfit_ratio <= self.policy.finer_meshes
+        """Return whether a fit leaves so little that the error of the mesh may be part of it."""
+        law = fit.errors.law
+        within = law is None or law.share <= self.policy.finer_share
+        return within and fit.misfit_ratio <= self.policy.finer_meshes
 
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
@@ -216,7 +244,9 @@ class Fitter:
         own = own_amplitudes(self.problem.amplitudes(explanation, z)) if explanation else ()
         if own not in self._noise:
             self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, self.site_scatter)
-        return errors(self.problem, model, own, depth, self._noise[own], self.solver_error, effects)
+        noise, known = self._noise[own], (self.solver_error, effects, self.law_error)
+        found = errors(self.problem, model, own, depth, noise, *known)
+        return replace(found, law=found.law.sized(*self._size)) if found.law and self._size else found
 
     def use_residual_as_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) [nm] for noise where at most half of the conditions are repeated."""
@@ -264,7 +294,7 @@ class Fitter:
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
         room = model.together(places[0]) if len(places) > 1 else 1
         most = max(1, min(self.policy.searches, room // LEAST_STEPS))
-        weights = misfit.weights(misfit.discrepancy(left))
+        weights = misfit.weights(misfit.remainder(left))
         good = float(np.sum((weights @ left) ** 2)) + self.policy.without_effect
         ends, failed = list[tuple[float, Descent]](), ""
         for first in range(0, len(starts), room):

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.inference.genetic import Evaluate, Evolution, GeneticSettings, evolve
 from palpate.inference.measures import OBJECTIVES, check_measurable
 from palpate.inference.observation import Observation
 from palpate.inference.surrogates import Surrogates
+from palpate.surrogate.genetic import Evaluate, Evolution, GeneticSettings, evolve
 
 
 @dataclass(frozen=True, eq=False)

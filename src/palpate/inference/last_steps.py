@@ -3,8 +3,7 @@
 The model of record rests on a mesh that is finer by one degree than the study's. Its curves of creeping bodies err by
 some 0.07 % of the depth, which moved the estimates of four cases of the blind trial by up to 1.3 standard deviations,
 and left 2.4 to 4.3 standard deviations of the noise in the residual. So a fit that explains replicates ends with curves
-of a mesh that is finer by two degrees, to which is added what the last degree changed where the fit arrived: with an
-error of second order in the spacing, about as much is left (L. F. Richardson, Phil. Trans. A 210 (1911) 307-357). The
+of a mesh that is finer by two degrees, extrapolated where the fit arrived (`palpate.inference.anchors.richardson`). The
 same part of the depth serves other explanations meanwhile: with a film it leaves a quarter of the error, with a rounded
 tip half.
 """
@@ -16,8 +15,8 @@ from dataclasses import replace
 from palpate.errors import PalpateError
 from palpate.inference.descent import Descent, Until
 from palpate.inference.explanation import Fit
-from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.fitting import Fitter
+from palpate.inference.forward import Curves, Forward
 from palpate.inference.trust_region import descend, gauss_newton
 
 
@@ -25,8 +24,8 @@ def on_finer_meshes(fitter: Fitter, fit: Fit) -> Fit:
     """Return a fit that explains replicates after its last steps on finer meshes, where there are any."""
     if not (fitter.problem.replicated and fitter.explains(fit)):
         return fit
-    if accurate := fit.model.extrapolated(fit.z):
-        return _at_the_edge(fitter, fit, accurate)
+    if found := fit.model.extrapolated(fit.z):
+        return _at_the_edge(fitter, fit, *found)
     refined, policy = with_finer_curves(fitter, fit), fitter.policy
     if refined is fit:
         return fit
@@ -44,12 +43,12 @@ def with_finer_curves(fitter: Fitter, fit: Fit) -> Fit:
     return fit if isinstance(curves, str) else replace(fit, model=model, curve=fitter.problem.stacked(curves))
 
 
-def _at_the_edge(fitter: Fitter, fit: Fit, accurate: Extrapolated) -> Fit:
+def _at_the_edge(fitter: Fitter, fit: Fit, model: Forward, curves: Curves, slopes: Curves) -> Fit:
     """Return a fit after its last steps where the edge of contact decides how a curve changes."""
-    begun, policy = Descent(fit.z, accurate.there, accurate.slopes), fitter.policy
-    way = gauss_newton(fitter.goal(fit), accurate, begun, policy.finer_steps, policy.tolerance, policy.first_order)
+    begun, policy = Descent(fit.z, curves, slopes), fitter.policy
+    way = gauss_newton(fitter.goal(fit), model, begun, policy.finer_steps, policy.tolerance, policy.first_order)
     try:
-        record = accurate.consistent(way.u, way.curves, way.slopes)
+        record = model.consistent(way.u, way.curves, way.slopes)
     except PalpateError:
         return fit
     return fitter.at_end(fit.explanation, record, way, fit.errors)

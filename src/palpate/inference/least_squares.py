@@ -4,12 +4,12 @@ What is minimised, in coordinates u with the prior of `palpate.inference.coordin
 
     chi^2(u) = r^T (C + d^2 I)^-1 r + sum beyond(u)^2,    r = simulated - recorded depth,
 
-with the covariance C of the errors that are known: noise of the recordings and error of the solver. A model that does
-not explain the recordings to these errors departs from them by more; that discrepancy is taken to be the same at all
-points, with the variance d^2 that makes chi^2 of the curves equal to its degrees of freedom (method of moments). It is
-zero for a model that explains them. Weighting a model's discrepancy by the noise alone would sacrifice the level of a
-curve to its smallest details. Independent measurements of the parameters, such as the drift rate in a hold at low load,
-join with their departures in standard deviations.
+with the covariance C of the errors: noise of the recordings, error of the solver and, near the end of a search, the
+discrepancy of the law. Farther away, or where the law is taken to be exact and is not, more is left; that remainder is
+taken to be the same at all points, with the variance d^2 that makes chi^2 of the curves equal to its degrees of freedom
+(method of moments). It is zero for a model that explains the recordings. Weighting a remainder by the noise alone would
+sacrifice the level of a curve to its smallest details. Independent measurements of the parameters, such as the drift
+rate in a hold at low load, join with their departures in standard deviations.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import brentq
 
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.forward import Curves, Forward
 
 STEP = 1e-4  # of a range, over which departures from independent measurements are differenced
-BEYOND_ANY = 1e6  # times the mean square of the residual, an upper bound of the discrepancy
+BEYOND_ANY = 1e6  # times the mean square of the residual, an upper bound of the remainder
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class Misfit:
         Mean recorded curve (n_points,) of each condition, in the unit of the response (nm, or mN where the displacement
         is prescribed).
     covariance : ndarray, shape (n, n)
-        Of the errors that are known, one condition after the other [nm^2].
+        Of the errors, one condition after the other [nm^2].
     nm
         For each condition the depth [nm] to which a unit of the response amounts, see `palpate.study.quantity`.
     coordinates
@@ -46,8 +47,8 @@ class Misfit:
     independent
         Returns the departures (m,) [standard deviations] of coordinates u (k,) from independent measurements of
         amplitudes.
-    allow_discrepancy
-        Whether a discrepancy of the model is estimated; else it is zero.
+    allow_remainder
+        Whether a remainder is estimated; else it is zero.
     """
 
     measured: Mapping[str, np.ndarray]
@@ -55,7 +56,7 @@ class Misfit:
     nm: Mapping[str, float]
     coordinates: Coordinates
     independent: Callable[[np.ndarray], np.ndarray] = lambda u: np.empty(0)
-    allow_discrepancy: bool = True
+    allow_remainder: bool = True
 
     @cached_property
     def scale(self) -> np.ndarray:
@@ -64,8 +65,14 @@ class Misfit:
 
     @cached_property
     def principal(self) -> tuple[np.ndarray, np.ndarray]:
-        """Variances (n,) [nm^2] and directions (n, n) of the known errors."""
+        """Variances (n,) [nm^2] and directions (n, n) of the errors."""
         return np.linalg.eigh(self.covariance)
+
+    @cached_property
+    def _inverse_factor(self) -> np.ndarray:
+        """Inverse (n, n) of the lower Cholesky factor of the covariance."""
+        factor = cholesky(self.covariance, lower=True)
+        return solve_triangular(factor, np.eye(len(factor)), lower=True)
 
     def stacked(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
         """Return what belongs to each condition (n_points, ...), one after the other, in nm."""
@@ -76,17 +83,19 @@ class Misfit:
         """Return simulated less recorded curves (n,) [nm]."""
         return self.stacked({name: curves[name] - recorded for name, recorded in self.measured.items()})
 
-    def discrepancy(self, residual: np.ndarray) -> float:
-        """Return the variance d^2 [nm^2] of the model's discrepancy, see the module."""
-        if not self.allow_discrepancy:
+    def remainder(self, residual: np.ndarray) -> float:
+        """Return the variance d^2 [nm^2] of the remainder, see the module."""
+        if not self.allow_remainder:
             return 0.0
-        return discrepancy(residual, *self.principal, len(self.coordinates.free))
+        return remainder(residual, *self.principal, len(self.coordinates.free))
 
-    def weights(self, discrepancy: float) -> np.ndarray:
+    def weights(self, remainder: float) -> np.ndarray:
         """Return the matrix (n, n) that whitens residuals and derivatives in nm."""
+        if not self.allow_remainder:
+            return self._inverse_factor
         variances, directions = self.principal
-        floor = 1e-12 * max(float(variances.max()), discrepancy)
-        return (directions / np.sqrt(np.maximum(variances, floor) + discrepancy)).T
+        floor = 1e-12 * max(float(variances.max()), remainder)
+        return (directions / np.sqrt(np.maximum(variances, floor) + remainder)).T
 
     def chi_square(self, curves: Curves, u: np.ndarray, weights: np.ndarray) -> float:
         """Return the misfit of curves at coordinates u (k,), prior included."""
@@ -101,8 +110,8 @@ class Misfit:
         return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), central_slopes(self.independent, u)])
 
 
-def discrepancy(residual: np.ndarray, variances: np.ndarray, directions: np.ndarray, parameters: int) -> float:
-    """Return the variance d^2 [nm^2] of a model's discrepancy, see the module.
+def remainder(residual: np.ndarray, variances: np.ndarray, directions: np.ndarray, parameters: int) -> float:
+    """Return the variance d^2 [nm^2] of the remainder, see the module.
 
     Parameters
     ----------

@@ -19,7 +19,8 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.forward import Curves, FiniteElements, Forward
+from palpate.inference.finite_elements import FiniteElements
+from palpate.inference.forward import Curves, Forward
 from palpate.inference.observation import Observation
 from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS, Scale
@@ -43,6 +44,8 @@ class Problem:
         The base model under the conditions that take part.
     scale
         Size of the study.
+    sharp
+        Whether neither tip nor body has a length, so that depth / sqrt(load) does not depend on the load.
     at : ndarray, shape (k,), optional
         Coordinates of the material at which effects on a load are taken, where a displacement is prescribed; by default
         the middle of the ranges.
@@ -52,13 +55,15 @@ class Problem:
     recorded: Mapping[str, Observation]
     forward: Forward
     scale: Scale
+    sharp: bool = True
     at: np.ndarray | None = None
 
     @classmethod
     def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
         """Put those conditions of a study together whose recordings have the role ``calibrate``."""
         conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
-        return cls(conditions, recorded, FiniteElements.of(study, [c.name for c in conditions]), scale_of(study))
+        forward = FiniteElements.of(study, [c.name for c in conditions])
+        return cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
 
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
         """Return the problem with each replicate brought to the load of its condition, with the material's `values`.

@@ -29,7 +29,6 @@ import numpy as np
 from palpate.errors import PalpateError
 from palpate.inference.damped_steps import Steps
 from palpate.inference.descent import LARGEST_STEP, Descent, Until
-from palpate.inference.extrapolated import Extrapolated
 from palpate.inference.forward import Curves, Forward
 from palpate.inference.least_squares import Misfit
 
@@ -89,7 +88,7 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
         for search in searches:
             stalled = len(search.gains) >= STALLED and sum(search.gains[-STALLED:]) < until.least_gain
             search.active &= not stalled and (iteration < PATIENCE or rms[search] <= BEHIND * least[-1])
-    weights = misfit.weights(min(misfit.discrepancy(misfit.residual(search.curves)) for search in searches))
+    weights = misfit.weights(min(misfit.remainder(misfit.residual(search.curves)) for search in searches))
     return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
 
 
@@ -118,7 +117,7 @@ def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Desce
 
 
 def gauss_newton(
-    misfit: Misfit, model: Extrapolated, way: Descent, most: int, tolerance: float, first_order: float
+    misfit: Misfit, model: Forward, way: Descent, most: int, tolerance: float, first_order: float
 ) -> Descent:
     """Take Gauss-Newton steps, with secant updates of the slopes, as long as they lower chi-square on finer meshes.
 
@@ -144,7 +143,7 @@ def gauss_newton(
             if predicted >= tolerance:
                 way.move(end, way.predicted(end))
             break
-        curves, here = model.curves(end), misfit.chi_square(way.curves, way.u, steps.weights)
+        (curves,), here = model.curves([end]), misfit.chi_square(way.curves, way.u, steps.weights)
         if isinstance(curves, str) or misfit.chi_square(curves, end, steps.weights) > here:
             break
         way.move(end, curves)
@@ -159,7 +158,7 @@ def _check(until: Until) -> None:
 
 def _hopeless(misfit: Misfit, search: Descent, reach: float) -> bool:
     """Return whether a search is not expected to reach a chi-square by the known errors, see `GENEROUS`."""
-    steps = Steps.of(misfit, search, discrepancy=0.0)
+    steps = Steps.of(misfit, search, remainder=0.0)
     promised = steps.predicted_decrease(steps.end(LARGEST_STEP))
     return float(steps.residual @ steps.residual) - GENEROUS * promised > reach
 

@@ -25,6 +25,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="adhesion",
     title="adhesion",
+    family="adhesion",
     effect="attraction between tip and surface",
     parameters=(Parameter("work", "w", "mJ/m^2", 0.0, 1e5, "work of adhesion per area"),),
     neutral={"work": 0.0},

@@ -43,6 +43,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="controller_lag",
     title="controller lag",
+    family="controller",
     effect="the load on the body follows the recorded one with a delay",
     parameters=(Parameter("lag", r"\delta", "s", 0.0, 1e4, "delay of the applied load, shorter than every test"),),
     neutral={"lag": 0.0},

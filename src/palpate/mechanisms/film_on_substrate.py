@@ -19,6 +19,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="film_on_substrate",
     title="film on a substrate",
+    family="layer",
     effect="the tested material is a film on an elastic body of another modulus",
     parameters=(
         Parameter("thickness", "t_f", "nm", 1.0, 1e9, "thickness of the film"),

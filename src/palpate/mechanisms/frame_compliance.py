@@ -20,6 +20,7 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 MECHANISM = Mechanism(
     key="frame_compliance",
     title="frame compliance",
+    family="frame",
     effect="depth gains compliance * load, the same compliance in every test",
     parameters=(
         Parameter("compliance", "C_f", "nm/mN", -1000.0, 1000.0, "compliance of the frame beyond what was corrected"),

@@ -18,6 +18,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="friction",
     title="friction",
+    family="friction",
     effect="friction between tip and surface differs from the assumed one",
     parameters=(
         Parameter("coefficient", r"\mu", "-", 0.0, 0.5, "Coulomb friction coefficient in place of the assumed one"),

@@ -102,6 +102,9 @@ class Mechanism:
     ----------
     key, title
         Key in studies and results, and name for people.
+    family
+        What it belongs to, such as the drift or the tip: the part of an answer that is often certain where the
+        mechanism itself is not.
     effect
         What it does to a recording, in a few words.
     parameters
@@ -151,6 +154,7 @@ class Mechanism:
 
     key: str
     title: str
+    family: str
     effect: str
     parameters: tuple[Parameter, ...]
     neutral: Values

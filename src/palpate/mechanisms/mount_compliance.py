@@ -15,6 +15,7 @@ from palpate.mechanisms.mechanism import Mechanism, Range
 MECHANISM = Mechanism(
     key="mount_compliance",
     title="mount compliance",
+    family="frame",
     effect="depth gains compliance * load, another compliance in every recording",
     parameters=(Parameter("compliance", "C_s", "nm/mN", -1000.0, 1000.0, "compliance of the mount in one recording"),),
     neutral={"compliance": 0.0},

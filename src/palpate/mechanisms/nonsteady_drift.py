@@ -29,6 +29,7 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 MECHANISM = Mechanism(
     key="nonsteady_drift",
     title="decaying drift",
+    family="drift",
     effect="depth gains rate * t + amplitude * (1 - exp(-t / time))",
     parameters=(
         Parameter("rate", r"\dot d", "nm/s", -100.0, 100.0, "drift rate of one recording, once it is steady"),

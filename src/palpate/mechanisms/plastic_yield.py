@@ -36,6 +36,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="plastic_yield",
     title="plastic yield",
+    family="flow",
     effect="rate-independent plastic flow beside the creep",
     parameters=PLASTIC,
     neutral={"yield_stress": 1e3, "hardening": 0.0},

@@ -40,6 +40,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="second_voigt",
     title="second Voigt element",
+    family="creep",
     effect="one more Voigt element: strain recovers on a time scale that the base model does not have",
     parameters=tuple(
         Parameter(name, p.symbol, p.unit, p.lower, p.upper, f"second element: {p.meaning}")

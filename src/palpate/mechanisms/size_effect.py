@@ -19,6 +19,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="size_effect",
     title="indentation size effect",
+    family="size",
     effect="resistance to inelastic flow grows by sqrt(1 + length / depth) at small depth",
     parameters=(
         Parameter(

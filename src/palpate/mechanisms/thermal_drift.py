@@ -25,6 +25,7 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 MECHANISM = Mechanism(
     key="thermal_drift",
     title="thermal drift",
+    family="drift",
     effect="depth gains rate * time",
     parameters=(Parameter("rate", r"\dot d", "nm/s", -100.0, 100.0, "drift rate of one recording"),),
     neutral={"rate": 0.0},

@@ -28,6 +28,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="tip_angle",
     title="tip angle",
+    family="tip",
     effect="the cone is blunter or sharper than nominal",
     parameters=(HALF_ANGLE,),
     neutral={"half_angle": 70.3},

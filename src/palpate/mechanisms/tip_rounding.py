@@ -30,6 +30,7 @@ def simulate(specification: Specification, values: Values) -> Specification:
 MECHANISM = Mechanism(
     key="tip_rounding",
     title="tip rounding",
+    family="tip",
     effect="the tip is a spherical cap that runs tangentially into the cone",
     parameters=(RADIUS,),
     neutral={"radius": 1e-3},

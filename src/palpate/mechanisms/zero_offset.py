@@ -20,6 +20,7 @@ def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values
 MECHANISM = Mechanism(
     key="zero_offset",
     title="zero offset",
+    family="zero",
     effect="depth is off by a constant, because contact was found too early or too late",
     parameters=(Parameter("offset", "h_0", "nm", -1e5, 1e5, "depth recorded at contact"),),
     neutral={"offset": 0.0},

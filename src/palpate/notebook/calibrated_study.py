@@ -3,110 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pandas as pd
-from matplotlib.axes import Axes
-
 from palpate.configuration.study_file import Study
-from palpate.inference.calibration_result import Calibration
 from palpate.inference.study_recordings import resampled
-from palpate.notebook.notebook_study import NotebookStudy, study_of
+from palpate.notebook.notebook_study import study_of
 from palpate.notebook.session import kept_results
-from palpate.notebook.shown import Shown, axes_for, composed
 from palpate.notebook.study_tests import Given, StudyTests
-from palpate.output import html_report
-from palpate.output.figures import fitted_curves
+from palpate.output.results.calibration import Calibration
+from palpate.output.saved_set import ALL, SavedSet
 from palpate.solver import store
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.check_study import check_calibration, check_objective
-from palpate.workflow_support.steps import calibrate_study, curves_beside, error_table, fit_surrogate
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class CalibratedStudy(Shown):
-    """What a calibration found.
-
-    Parameters
-    ----------
-    study
-    tests
-        The recordings that it was calibrated on.
-    calibration
-        The outcome in full.
-    curves
-        Recorded, surrogates' and simulated curves of all conditions, see
-        `palpate.workflow_support.steps.run_calibration`.
-    """
-
-    study: NotebookStudy
-    tests: StudyTests
-    calibration: Calibration
-    curves: pd.DataFrame
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Estimates by the names of the parameters."""
-        return self.calibration.values
-
-    @property
-    def errors(self) -> pd.DataFrame:
-        """One row a condition: role, root mean square error, R^2, mean absolute error, error in per cent."""
-        return error_table(self.calibration.to_mapping())
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return one row a parameter.
-
-        Returns
-        -------
-        DataFrame
-            parameter, unit, estimate, lower and upper (95 % interval), identified (whether the data determine it),
-            held, at_bound, outside (whether it lies beyond its range).
-        """
-        declared = self.study.declared
-        return pd.DataFrame(
-            {"parameter": name, "unit": declared[name].unit, **vars(found)}
-            for name, found in self.calibration.parameters.items()
-        )
-
-    def _tables(self) -> list[pd.DataFrame]:
-        return [self.to_frame()[["parameter", "unit", "estimate", "lower", "upper", "identified"]], self.errors]
-
-    def _sentences(self) -> list[str]:
-        content = self.calibration.to_mapping()
-        sentences = (html_report.misfit_sentence, html_report.bound_sentence, html_report.convergence_sentence)
-        return [text for sentence in sentences if (text := sentence(content))]
-
-    def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
-        """Draw recorded and simulated curves.
-
-        Parameters
-        ----------
-        ax
-            Axes on which the curves of all conditions are drawn together. When not given, a figure is made with two
-            panels a condition, curves above and misfit in time below.
-
-        Returns
-        -------
-        Axes or ndarray of Axes, shape (n,)
-            `ax`, or the axes of the figure.
-        """
-        if ax is not None:
-            fitted_curves.together(axes_for(ax), self.curves)
-            return ax
-        title = f"{self.study.title}: {self.study.model}"
-        return composed(lambda figure: fitted_curves.compose(figure, self.curves, title, self.tests.synthetic))
-
-    def __repr__(self) -> str:
-        known = [found for found in self.calibration.parameters.values() if not found.held]
-        fixed = sum(found.identified for found in known)
-        return (
-            f"<CalibratedStudy {self.study.name!r}, recordings {self.tests.name!r}: {fixed} of {len(known)} parameters "
-            "identified>"
-        )
+from palpate.workflow_support.steps import calibrate_study, curves_beside, fit_surrogate
 
 
 def calibrate(
@@ -115,7 +25,7 @@ def calibrate(
     *,
     results: str | Path | None = None,
     report: Callable[[str], None] | None = None,
-) -> CalibratedStudy:
+) -> Calibration:
     """Calibrate the parameters of a study's law on recordings.
 
     The snapshots are simulated, POD-RBF surrogates fitted to them and searched by a genetic algorithm, and least
@@ -137,7 +47,7 @@ def calibrate(
 
     Returns
     -------
-    CalibratedStudy
+    palpate.output.results.calibration.Calibration
 
     Raises
     ------
@@ -153,7 +63,9 @@ def calibrate(
     check_objective(chosen, observed)
     models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
     found = calibrate_study(chosen, models, observed, report)
-    return CalibratedStudy(chosen, tests, found, curves_beside(chosen, observed, found, report))
+    content = found.to_mapping(study=chosen.name, recordings=tests.name, condition_set=ALL)
+    curves = curves_beside(chosen, observed, found, report)
+    return Calibration(SavedSet(chosen, tests.name, tests.by_condition, {ALL: content}, {ALL: curves}))
 
 
 def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:

@@ -14,8 +14,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.errors import InputError, located_in
-from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.recorded_test import COLOURS
+from palpate.output.shown import Shown, axes_for, extent
 from palpate.recordings.readers import (
     CORRECTIONS,
     ColumnMap,
@@ -85,16 +85,21 @@ class MeasuredTest(Shown):
 
     @property
     def segments(self) -> list[Segment]:
-        """Loading, hold, unloading and so on, in the order of time; empty where the test is too short to find them."""
+        """Loading, hold, unloading and so on, in the order of time; empty where they cannot be found."""
         with suppress(InputError):
             return segments(self.time, self.load)
         return []
 
-    def _sentences(self) -> list[str]:
-        parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
+    def sentences(self) -> list[str]:
+        """Return sentences on it."""
+        try:
+            found = segments(self.time, self.load)
+            parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in found]
+        except InputError as error:
+            parts = [f"no segments: {error.problem}"]
         return [
             extent(self.load, self.depth, float(np.ptp(self.time))),
-            "; ".join(parts) or "too short to find its segments",
+            "; ".join(parts),
             f"corrections in depth: {in_words(self.corrections)}",
             f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
             *self.recording.notes,

@@ -18,9 +18,9 @@ from palpate.errors import InputError
 from palpate.notebook.measured_test import MeasuredTest
 from palpate.notebook.plain_values import plain
 from palpate.notebook.session import new_folder
-from palpate.notebook.shown import Shown, axes_for
 from palpate.notebook.study_tests import OneTest, recording_of, several
 from palpate.output.figures.style import SERIES
+from palpate.output.shown import Shown, axes_for
 from palpate.recordings.readers import VendorTest
 from palpate.study.indenter import RADIUS
 from palpate.study.protocol import LOAD
@@ -128,7 +128,8 @@ class NotebookStudy(Shown, Study):
         found = write_study(drafted, output, name, reported, law, radius)
         return cls.of(found.study, [*messages, *found.remarks])
 
-    def _sentences(self) -> list[str]:
+    def sentences(self) -> list[str]:
+        """Return sentences on it."""
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
         return [
             f"study: {self.file}",
@@ -137,7 +138,8 @@ class NotebookStudy(Shown, Study):
             *self.remarks,
         ]
 
-    def _tables(self) -> list[pd.DataFrame]:
+    def tables(self) -> list[pd.DataFrame]:
+        """Return its tables."""
         declared = self.declared
         ranges = pd.DataFrame(
             {"parameter": in_words(name), "unit": declared[name].unit, "from": min(values), "to": max(values)}

@@ -14,8 +14,8 @@ from matplotlib.axes import Axes
 from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError, PalpateError, located_in
 from palpate.notebook.plain_values import plain
-from palpate.notebook.shown import Shown, axes_for, extent
 from palpate.output.figures.style import RECORDED
+from palpate.output.shown import Shown, axes_for, extent
 from palpate.recordings.recording import SYNTHETIC, Recording
 from palpate.solver import simulation
 from palpate.study.specification import Specification
@@ -47,7 +47,8 @@ class SimulatedCurve(Shown):
         notes = (f"{SYNTHETIC}: simulated by palpate",)
         return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
 
-    def _sentences(self) -> list[str]:
+    def sentences(self) -> list[str]:
+        """Return sentences on it."""
         spec = self.specification
         return [
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),

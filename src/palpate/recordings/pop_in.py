@@ -15,7 +15,7 @@ SIDE = AROUND // 2
 FASTER = 6.0  # times that rate, from which on the depth jumps
 CLEAR = 8.0  # standard deviations of the depth's noise that a jump exceeds
 LEAST = 0.005  # of the largest depth, likewise
-FIRST = 0.02  # of the largest load, below which the depth grows fast by itself
+FIRST = 0.003  # of the largest load, below which the depth grows fast by itself
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,9 @@ def segments(time: np.ndarray, load: np.ndarray, contact: int = 0) -> list[Segme
     smooth = median_filter(load[contact:], 5, mode="nearest")
     smooth[[0, -1]] = load[[contact, -1]]
     if smooth.max() <= 0.0:
-        raise InputError("the load never rises above zero", remedy="export the test with its load", place="load_mN")
+        raise InputError(
+            "the load never rises above zero", remedy="subtract what it reads at rest, or export it", place="load_mN"
+        )
     scale = LINEAR * max(noise_of(load[contact:]), 1e-4 * smooth.max() / LINEAR)
     level = np.arcsinh(smooth / scale)
     knots = np.flatnonzero(corners(time[contact:], level, TOLERANCE))

@@ -15,7 +15,7 @@ from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.indentation_case import Case
 from palpate.solver.axisymmetric.march_cases import indent_batch, run_lanes
-from palpate.solver.axisymmetric.similar import indent_distinct, length_ratio, room
+from palpate.solver.axisymmetric.similar import free_lanes, indent_distinct, length_ratio
 from palpate.solver.pyramid.fields_3d import fields_of
 from palpate.solver.pyramid.indent_3d import RESOLUTIONS as RESOLUTIONS_3D
 from palpate.solver.pyramid.indent_3d import indent_3d
@@ -141,19 +141,26 @@ def _simulation(specification: Specification, history: History) -> Simulation:
 
 
 def differentiated(
-    specifications: Sequence[Specification], beside: Sequence[Sequence[Variation]], radii: np.ndarray | None = None
+    specifications: Sequence[Specification],
+    perturbed: Sequence[Sequence[Variation]],
+    radii: np.ndarray | None = None,
+    few_sectors: bool = False,
 ) -> list[tuple[Simulation, np.ndarray]]:
     """Simulate several indentations together with the derivatives by what their neighbours vary.
 
     They are the derivatives of the simulated curves on their meshes, see `palpate.solver.axisymmetric.neighbours`. What
-    the instrument alone feels costs no simulation; those that differ in size alone are simulated once.
+    changes the instrument alone costs no simulation; those that differ in size alone are simulated once.
 
     Parameters
     ----------
-    beside
+    specifications
+        The indentations.
+    perturbed
         Neighbours of each indentation, as many as there are derivatives.
     radii : ndarray, optional
         As for `simulate`.
+    few_sectors
+        As for `simulate_batch`.
 
     Returns
     -------
@@ -169,17 +176,17 @@ def differentiated(
     if not all(specification.indenter.of_revolution for specification in specifications):
         raise axisymmetric_only("derivatives of the curve", "indenter.shape")
     solids = [applied_to_body(specification) for specification in specifications]
-    others = [[applied_to_body(variation.neighbour) for variation in row] for row in beside]
-    felt = [
+    others = [[applied_to_body(variation.neighbour) for variation in row] for row in perturbed]
+    changing = [
         [k for k, other in enumerate(row) if not _same_body(solid, other)]
         for solid, row in zip(solids, others, strict=True)
     ]
     histories = indent_distinct(
-        [_case(solid, radii) for solid in solids],
-        [[_case(row[k], radii) for k in own] for row, own in zip(others, felt, strict=True)],
+        [_case(solid, radii, few_sectors) for solid in solids],
+        [[_case(row[k], radii, few_sectors) for k in own] for row, own in zip(others, changing, strict=True)],
     )
     outcomes = []
-    for specification, history, row, own in zip(specifications, histories, beside, felt, strict=True):
+    for specification, history, row, own in zip(specifications, histories, perturbed, changing, strict=True):
         simulation, columns = _simulation(specification, history), []
         for k, variation in enumerate(row):
             other = history
@@ -193,9 +200,9 @@ def differentiated(
 
 
 def _same_body(solid: Specification, other: Specification) -> bool:
-    """Return whether two indentations differ in nothing that the body feels."""
-    felt = [f.name for f in fields(Specification) if f.init and f.name not in ("protocol", "mechanisms")]
-    return solid.protocol is other.protocol and all(getattr(solid, name) == getattr(other, name) for name in felt)
+    """Return whether two indentations differ in nothing that changes the body."""
+    body = [f.name for f in fields(Specification) if f.init and f.name not in ("protocol", "mechanisms")]
+    return solid.protocol is other.protocol and all(getattr(solid, name) == getattr(other, name) for name in body)
 
 
 def fields_at(specification: Specification, times: Iterable[float]) -> list[Fields]:
@@ -264,7 +271,9 @@ def _among(time: float, wanted: np.ndarray, protocol: Protocol) -> bool:
     return bool(np.abs(wanted - time).min() <= SAME * protocol.knot_time[-1])
 
 
-def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) -> list[Simulation]:
+def simulate_batch(
+    specifications: Iterable[Specification], shift: float = 0.0, few_sectors: bool = False
+) -> list[Simulation]:
     """Simulate several indentations, those that share the shape of mesh and load history together.
 
     Those that differ in size alone are simulated once. The curves are those of `simulate`, to rounding as long as both
@@ -277,19 +286,23 @@ def simulate_batch(specifications: Iterable[Specification], shift: float = 0.0) 
     shift
         Part of the spacing of rings [-] by which all nodes lie further out: another mesh of the same accuracy, for
         curves that must not share the mesh of a fit. A pyramid keeps its mesh.
+    few_sectors
+        Whether the mesh has few sectors under the indenter, because the curves are to be scaled to others. A pyramid
+        keeps its mesh.
     """
     specifications = list(specifications)
     if not all(specification.indenter.of_revolution for specification in specifications):
         return [simulate(specification) for specification in specifications]
-    histories = indent_distinct([replace(_case(applied_to_body(each)), shift=shift) for each in specifications])
+    solids = [applied_to_body(each) for each in specifications]
+    histories = indent_distinct([replace(_case(solid, None, few_sectors), shift=shift) for solid in solids])
     return [_simulation(*pair) for pair in zip(specifications, histories, strict=True)]
 
 
-def together(specifications: Sequence[Specification]) -> int:
+def points_per_batch(specifications: Sequence[Specification], few_sectors: bool = False) -> int:
     """Return how many indentations like each of these run in the time of one; those that differ in size are one."""
     if not all(specification.indenter.of_revolution for specification in specifications):
         return 1
-    return room([_case(applied_to_body(each)) for each in specifications])
+    return free_lanes([_case(applied_to_body(each), None, few_sectors) for each in specifications])
 
 
 def alike(specification: Specification, other: Specification) -> bool:
@@ -301,9 +314,9 @@ def alike(specification: Specification, other: Specification) -> bool:
     return length_ratio(_case(applied_to_body(specification)), _case(applied_to_body(other))) is not None
 
 
-def _case(solid: Specification, radii: np.ndarray | None = None) -> Case:
+def _case(solid: Specification, radii: np.ndarray | None = None, few_sectors: bool = False) -> Case:
     resolution = RESOLUTIONS[solid.accuracy]
-    if solid.few_sectors:
+    if few_sectors:
         resolution = replace(resolution, sectors=FEW_SECTORS)
     large = solid.kinematics == "large"
     return Case(solid.specimen, solid.indenter, solid.protocol, resolution, large, rings=radii)

@@ -47,8 +47,6 @@ class Specification:
         Length of the size effect [nm], see `palpate.study.specimen.Specimen.resistance`.
     adhesion
         Work that separates surface and tip [mJ/m^2].
-    few_sectors
-        Simulate it with few sectors under the indenter, because the curve is to be scaled to another one.
 
     Raises
     ------
@@ -67,7 +65,6 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
-    few_sectors: bool = False
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -7,10 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.base.channel_noise import MEDIAN
 from palpate.base.sentences import and_more
 from palpate.configuration.prescribed_history import RECORDED
 from palpate.configuration.study_file import Condition
 from palpate.recordings.contact_interval import interval_of
+from palpate.recordings.contact_of_replicates import disagreeing, vague
+from palpate.recordings.lag import lag_at_reversals
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers.in_air import air_at_start, suspects
@@ -23,6 +26,12 @@ from palpate.study.recorded_history import averaged_over, swing
 MISSTATED = 0.01  # relative error of a stated largest load from which on it is reported: the material would take it up
 OF_READ = "`palpate read --contact auto` finds the contact"
 APART = 1.5  # ratio of a test's depth to its condition's median beyond which it is reported
+CLEARLY_APART = 1.15  # chosen: likewise, where it is beyond the scatter of the others by far
+SCATTER = 6.0  # robust standard deviations
+FEWEST = 4  # tests that show their scatter
+STEPS, GAP = 20.0, 0.05  # median steps, and share of the test's duration: a longer time without points is reported
+LEAST_LAG = 0.5  # of a sampling step, chosen
+MOST_TESTS = 20  # that are looked at for a lag
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
 
@@ -30,8 +39,9 @@ def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
     """Report the anomalies of the tests of a condition.
 
     A largest load that the study misstates; tests much deeper or shallower than the others, that begin elsewhere than
-    at contact, or in air, or last longer than the load that is followed; jumps of the depth, pulls on the tip, and
-    loads that are averaged as they are noisy or oscillate.
+    at contact, or in air, or last longer than the load that is followed; contacts that are vague or differ between
+    replicates; jumps of the depth, times without points, a lag of the depth, pulls on the tip, and loads that are
+    averaged as they are noisy or oscillate.
     """
     yield from misstated(condition, tests)
     yield from _apart(tests)
@@ -42,7 +52,11 @@ def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]
             f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
             f"({OF_READ})"
         )
+    yield from disagreeing(tests)
+    yield from vague(tests)
     yield from _jumps(tests)
+    yield from _gaps(tests)
+    yield from _lagging(tests)
     yield from _pulled(condition, tests)
     yield from _averaged(condition, tests)
     if condition.follows and not condition.own_loads:
@@ -71,8 +85,12 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
     """Report tests that are much deeper or shallower than the others of their condition."""
     depths = np.array([test.depth.max() for test in tests])
     usual = float(np.median(depths))
-    for test, depth in zip(tests, depths, strict=True):
-        if not usual / APART < depth < usual * APART:
+    off = np.abs(np.log(np.maximum(depths, 1e-12) / max(usual, 1e-12)))
+    apart = np.log(APART)
+    if len(tests) >= FEWEST:
+        apart = min(max(np.log(CLEARLY_APART), SCATTER * float(np.median(off)) / MEDIAN), apart)
+    for test, depth, far in zip(tests, depths, off, strict=True):
+        if far >= apart:
             yield (
                 f"{test.name}.csv is {depth:.4g} nm deep, the median of its condition's tests {usual:.4g} nm: another "
                 "unit, zero point or material?"
@@ -110,6 +128,37 @@ def _jumps(tests: Sequence[Recording]) -> Iterator[str]:
             f"{name}.csv{and_more(found)}: the depth jumps while the load grows, by {largest.jump:.3g} nm at "
             f"{largest.load:.3g} mN (a pop-in, a crack, or a tip that slipped); no law describes that"
         )
+
+
+def _gaps(tests: Sequence[Recording]) -> Iterator[str]:
+    """Report the tests in which a time without points is long beside both the sampling and the test."""
+    found = []
+    for test in tests:
+        step = np.diff(test.time)
+        longest = int(np.argmax(step))
+        if step[longest] > max(STEPS * float(np.median(step)), GAP * float(np.ptp(test.time))):
+            found.append((test, longest))
+    if found:
+        test, longest = found[0]
+        begin, end = test.time[longest], test.time[longest + 1]
+        yield (
+            f"{test.name}.csv{and_more(found)}: no points between {begin:.4g} and {end:.4g} s ({end - begin:.3g} s): "
+            "load and depth are taken to run straight there"
+        )
+
+
+def _lagging(tests: Sequence[Recording]) -> Iterator[str]:
+    """Report a lag of the depth behind the load, or ahead of it, that the reversals of the tests show."""
+    found = lag_at_reversals([(test.time, test.load, test.depth) for test in tests[:MOST_TESTS]])
+    step = float(np.median([np.median(np.diff(test.time)) for test in tests]))
+    if found is None or found.lower <= 0.0 <= found.upper or abs(found.lag) < LEAST_LAG * step:
+        return
+    way = "behind" if found.lag > 0 else "ahead of"
+    size, low, high = abs(found.lag), *sorted((abs(found.lower), abs(found.upper)))
+    yield (
+        f"the depth lies {size:.2g} s {way} the load where it reverses ({low:.2g} to {high:.2g} s, {found.reversals} "
+        "reversals): a lag of the controller, or creep that follows at once"
+    )
 
 
 def _pulled(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:

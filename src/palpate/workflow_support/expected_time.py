@@ -39,16 +39,38 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)
     accurate = cost * PYRAMID * pyramids
     total = snapshots + fits + explanations + accurate
-    parts = [f"{curves} snapshots {_in_words(snapshots)}"]
-    parts += [f"calibration {_in_words(fits)}"] if study.recordings else []
-    parts += [f"diagnosis of {mechanisms} mechanisms up to {_in_words(explanations)}"] if mechanisms else []
-    parts += [f"up to {pyramids} curves of the pyramid {_in_words(accurate)}"] if pyramids else []
+    parts = [f"{curves} snapshots {time_in_words(snapshots)}"]
+    parts += [f"calibration {time_in_words(fits)}"] if study.recordings else []
+    parts += [f"diagnosis of {mechanisms} mechanisms up to {time_in_words(explanations)}"] if mechanisms else []
+    parts += [f"up to {pyramids} curves of the pyramid {time_in_words(accurate)}"] if pyramids else []
     processors = f"{cores} free core{'s' if cores > 1 else ''}"
     finer = "" if study.accuracy == STANDARD else f" for accuracy {STANDARD} ({study.accuracy} takes longer)"
     yield (
-        f"expected time, within a factor of two{finer}: {_in_words(total)} on {processors} ({', '.join(parts)}); "
-        f"{_in_words(COMPILING)} more at the first use, for compilation"
+        f"expected time, within a factor of two{finer}: {time_in_words(total)} on {processors} ({', '.join(parts)}); "
+        f"{time_in_words(COMPILING)} more at the first use, for compilation"
     )
+
+
+def job_seconds(study: Study, batches: int) -> dict[str, float]:
+    """Return the time that a job of each rule is expected to take on a free core [s], by the beginning of its name.
+
+    Parameters
+    ----------
+    batches
+        Jobs that compute snapshots.
+    """
+    cost = _cost_of_curve(study)
+    together = cost * (1.0 + FURTHER * (len(study.calibrated) - 1))
+    return {
+        "snapshots": cost * len(study.cells) * len(conditions_by_shape(study)) / max(batches, 1),
+        "surrogate": 2.0,
+        "calibration": together * CALIBRATION,
+        "diagnosis": together * EXPLANATION * len(candidates(study)),
+        "laboratory": 20.0,
+        "figures": 6.0,
+        "report": 3.0,
+        "tracking": 8.0,
+    }
 
 
 def _cost_of_curve(study: Study) -> float:
@@ -59,7 +81,7 @@ def _cost_of_curve(study: Study) -> float:
     return cost * study.points / 100 * (1.0 + CORNERS * max(corners, 0))
 
 
-def _in_words(seconds: float) -> str:
+def time_in_words(seconds: float) -> str:
     """Return a time with one digit, in seconds, minutes or hours."""
     if seconds < 60.0:
         return f"{max(float(f'{seconds:.1g}'), 1.0):.0f} s"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
+import subprocess
 from collections.abc import Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -15,7 +16,6 @@ from palpate.errors import PalpateError
 from palpate.inference.study_recordings import with_stiffness
 from palpate.recordings.recording_file import recording_files
 from palpate.workflow_support.result_files import read_json
-from palpate.workflow_support.run_records import git_commit
 
 NAME = "report.manifest.json"
 LIBRARIES = ("palpate", "numpy", "scipy", "pandas", "numba", "scikit-learn", "deap", "snakemake", "mlflow")
@@ -91,3 +91,13 @@ def _version(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "not installed"
+
+
+def git_commit() -> str:
+    """Return the commit of palpate's own working tree, wherever a study is run; ``unknown`` outside a repository."""
+    command = ["git", "-C", str(Path(__file__).parent), "rev-parse", "HEAD"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return answer.stdout.strip()

@@ -110,5 +110,14 @@ def refuse_altered(logs: Path, arguments: Sequence[str] = ()) -> None:
 
 
 def estimate_of(file: str | Path) -> dict[str, float]:
-    """Return the estimate that the file of a calibration holds, by parameter."""
-    return {name: row["estimate"] for name, row in read_json(file)["parameters"].items()}
+    """Return the estimate that the file of a calibration holds, by parameter.
+
+    Raises
+    ------
+    PalpateError
+        When it was written before the discrepancy of the law was estimated: its estimate is another one.
+    """
+    found = read_json(file)
+    if "discrepancy" not in found:
+        raise PalpateError(f"{file} was written by an older version of palpate; delete it and run the study again")
+    return {name: row["estimate"] for name, row in found["parameters"].items()}

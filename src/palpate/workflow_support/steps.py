@@ -12,8 +12,7 @@ import pandas as pd
 
 from palpate.configuration.study_file import Study
 from palpate.inference.calibrate import CalibrationSettings, calibrate
-from palpate.inference.calibration_result import Calibration
-from palpate.inference.genetic import GeneticSettings
+from palpate.inference.calibration_result import CalibrationOutcome
 from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
@@ -21,6 +20,7 @@ from palpate.inference.study_recordings import observations
 from palpate.solver import store
 from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
+from palpate.surrogate.genetic import GeneticSettings
 from palpate.surrogate.missing import checked_missing
 from palpate.surrogate.saved import load
 
@@ -84,7 +84,7 @@ def settings_of(study: Study) -> CalibrationSettings:
     """Return the calibration settings of a study."""
     given = dict(study.calibration)
     own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
-    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error")}
+    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error", "law_error")}
     return CalibrationSettings(genetic=GeneticSettings(**given), **own)
 
 
@@ -93,7 +93,7 @@ def calibrate_study(
     models: Mapping[str, PODRBF],
     observed: Mapping[str, Observation],
     report: Callable[[str], None] = print,
-) -> Calibration:
+) -> CalibrationOutcome:
     """Calibrate a study's parameters on what was observed under each condition.
 
     They are sought on the surrogates, the models of the calibrated conditions, first, and then on the finite elements;
@@ -110,8 +110,12 @@ def calibrate_study(
 
 
 def run_calibration(
-    study: Study, recordings: str, condition_set: str, surrogate_files: Mapping[str, str | Path]
-) -> tuple[Calibration, pd.DataFrame]:
+    study: Study,
+    recordings: str,
+    condition_set: str,
+    surrogate_files: Mapping[str, str | Path],
+    report: Callable[[str], None] = print,
+) -> tuple[CalibrationOutcome, pd.DataFrame]:
     """Calibrate one condition set on one set of recordings, and compute its errors with the solver on every condition.
 
     The estimate is that of the finite elements at the study's accuracy, so that the surrogates' errors do not bias it.
@@ -122,6 +126,8 @@ def run_calibration(
         The study, and the names of the set of recordings and of the conditions.
     surrogate_files
         File of each condition's surrogate.
+    report
+        Called with one line on the progress.
 
     Returns
     -------
@@ -139,9 +145,6 @@ def run_calibration(
         for name, item in measured.items()
     }
 
-    def report(line: str) -> None:
-        print(f"{recordings}, {condition_set}: {line}")
-
     result = calibrate_study(study, models, roles, report)
     return result, curves_beside(study, roles, result, report)
 
@@ -149,7 +152,7 @@ def run_calibration(
 def curves_beside(
     study: Study,
     observed: Mapping[str, Observation],
-    result: Calibration,
+    result: CalibrationOutcome,
     report: Callable[[str], None] = print,
 ) -> pd.DataFrame:
     """Return a table of the curves of all conditions, recorded, of the surrogates and simulated.
@@ -192,23 +195,3 @@ def curves_beside(
             )
         )
     return pd.concat(tables, ignore_index=True)
-
-
-def error_table(calibration: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the thesis' error table, one row a condition, from the content of a calibration's JSON."""
-    rows = [{"condition": name, **entry} for name, entry in calibration["conditions"].items()]
-    errors = ("rmse_nm", "rmse_mN", "r2", "mean_abs_error_nm", "mean_abs_error_mN", "percent_error")
-    return pd.DataFrame(rows).filter(["condition", "role", *errors])
-
-
-def parameter_table(calibrations: Mapping[str, Mapping[str, Any]], truth: Mapping[str, float] | None) -> pd.DataFrame:
-    """Return the parameters of all condition sets side by side, beside the truth where it is known."""
-    rows = []
-    for condition_set, calibration in calibrations.items():
-        for name, entry in calibration["parameters"].items():
-            row = {"parameter": name, "condition_set": condition_set}
-            row |= {key: entry[key] for key in ("estimate", "lower", "upper", "identified", "held")}
-            if truth is not None:
-                row["truth"] = truth.get(name)
-            rows.append(row)
-    return pd.DataFrame(rows).sort_values("parameter", kind="stable")

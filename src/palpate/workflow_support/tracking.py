@@ -21,12 +21,16 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from palpate.errors import PalpateError
-from palpate.surrogate.saved import load
+from palpate.errors import InputError, PalpateError
+from palpate.materials import LAWS
+from palpate.workflow_support import saved_view
+from palpate.workflow_support.logged_run import fill, log
 from palpate.workflow_support.result_files import checksum, read_json, write_json
+from palpate.workflow_support.run_records import WORKFLOW
 
 SECONDS = 5  # that one request may take
 PATIENCE = 60  # s, for another process that makes the store or sends the same records
+MATERIAL = {parameter.name for law in LAWS.values() for parameter in law.parameters}
 LIMITS = {
     "MLFLOW_HTTP_REQUEST_TIMEOUT": str(SECONDS),
     "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "0",
@@ -64,7 +68,7 @@ def send(folder: Path) -> list[str]:
 
 def _problem(answer: str, results: Path) -> str:
     """Return in one line what MLflow answers, with the remedy where the answer has none."""
-    uri = _uri(results)
+    uri = store_of(results)
     if found := re.search(r"schema \(found version (\w+), but expected (\w+)\)", answer):
         return (
             f"{uri.removeprefix('sqlite:///')} is of another version of MLflow, schema {found[1]} where {found[2]} is "
@@ -76,7 +80,8 @@ def _problem(answer: str, results: Path) -> str:
     return " ".join(answer.split())[:200]
 
 
-def _uri(results: Path) -> str:
+def store_of(results: Path) -> str:
+    """Return the address of the store: that of ``MLFLOW_TRACKING_URI``, or that in a folder of results."""
     return os.environ.get("MLFLOW_TRACKING_URI") or _default(results)
 
 
@@ -116,16 +121,10 @@ def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
     PalpateError
         When an artifact is missing, or the store is no database.
     """
-    uri, above = _uri(results), Path(os.path.abspath(results)).parent
+    uri, above = store_of(results), Path(os.path.abspath(results)).parent
     runs = [_located(run, above) for run in record["runs"]]
-    _check_file(uri)
-    os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
-    import mlflow
-
-    logging.getLogger("mlflow").setLevel(logging.ERROR)
     with _alone(_lock_of(uri)):
-        mlflow.set_tracking_uri(uri)
-        client = mlflow.MlflowClient()
+        client = connected(results)
         experiment = _experiment(client, record["study"], results)
         parent = _parent(client, experiment, record)
     shared = {"mlflow.parentRunId": parent, "git_commit": record["git_commit"], "record": digest}
@@ -136,14 +135,59 @@ def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
             experiment, start_time=run["started"], tags=tags, run_name=run["name"]
         )
         if made.info.status != "FINISHED":
-            _fill(client, made.info.run_id, run)
+            fill(client, made.info.run_id, run)
             client.set_terminated(made.info.run_id, end_time=run["ended"])
-    for key, value in record["answer"].get("tags", {}).items():
-        client.set_tag(parent, key, value)
-    for key, value in record["answer"].get("metrics", {}).items():
-        client.log_metric(parent, key, value)
+    if told := record["parent"]:
+        _keep_view(client, experiment, record)
+        log(client, parent, {"series": {}, "ended": max(run["ended"] for run in runs), **told})
+        for key, value in {**told["tags"], "mlflow.runName": told["name"]}.items():
+            client.set_tag(parent, key, value)
     if runs:
         client.set_terminated(parent, end_time=max(run["ended"] for run in runs))
+
+
+def experiments(results: Path) -> dict[str, str]:
+    """Return the ID of the experiment of every study that has sent runs, by its name.
+
+    Raises
+    ------
+    InputError
+        When there is no store yet, or no run in it.
+    """
+    store = store_of(results)
+    file = Path(store.removeprefix("sqlite:///"))
+    if store.startswith("sqlite:///") and not file.is_file():
+        remedy = "run a study first (palpate run STUDY.yaml), or name its folder with --results"
+        raise InputError("holds no runs: the file is missing", remedy=remedy, file=file)
+    found = connected(results).search_experiments(order_by=["name ASC"])
+    return {each.name: str(each.experiment_id) for each in found if each.name != "Default"}
+
+
+def _keep_view(client: Any, experiment: str, record: Mapping[str, Any]) -> None:
+    """Write the view of an experiment; where that fails, a line says so, and nothing is lost."""
+    names = [name for run in record["runs"] for name in run["metrics"] if name in MATERIAL]
+    try:
+        saved_view.write(client, experiment, list(dict.fromkeys(names)))
+    except Exception as error:  # a server may refuse it
+        print(f"tracking: the view of {record['study']} was not written ({' '.join(str(error).split())[:120]})")
+
+
+def connected(results: Path) -> Any:
+    """Return a client of the store, which is made where it is missing.
+
+    Raises
+    ------
+    PalpateError
+        When the store is no database.
+    """
+    uri = store_of(results)
+    _check_file(uri)
+    os.environ.update({key: value for key, value in LIMITS.items() if key not in os.environ})
+    import mlflow
+
+    logging.getLogger("mlflow").setLevel(logging.ERROR)
+    mlflow.set_tracking_uri(uri)
+    return mlflow.MlflowClient()
 
 
 def _located(run: Mapping[str, Any], above: Path) -> dict[str, Any]:
@@ -179,7 +223,7 @@ def _experiment(client: Any, study: str, results: Path) -> str:
     found = client.get_experiment_by_name(study)
     if found is not None:
         return str(found.experiment_id)
-    default = _uri(results) == _default(results)
+    default = store_of(results) == _default(results)
     location = (results / "mlartifacts" / study).resolve().as_uri() if default else None
     return str(client.create_experiment(study, artifact_location=location))
 
@@ -187,43 +231,14 @@ def _experiment(client: Any, study: str, results: Path) -> str:
 def _parent(client: Any, experiment: str, record: Mapping[str, Any]) -> str:
     """Return the id of the run of the execution that made a record, made if there is none."""
     execution = record["execution"]
-    found = client.search_runs([experiment], f"tags.execution = '{execution}' and tags.kind = 'workflow'")
+    found = client.search_runs([experiment], f"tags.execution = '{execution}' and tags.kind = '{WORKFLOW}'")
     if found:
         return str(found[0].info.run_id)
-    tags = {"execution": execution, "kind": "workflow", "git_commit": record["git_commit"]}
+    tags = {"execution": execution, "kind": WORKFLOW, "git_commit": record["git_commit"]}
     started = min((run["started"] for run in record["runs"]), default=None)
     return str(
         client.create_run(experiment, start_time=started, tags=tags, run_name=f"workflow {execution}").info.run_id
     )
-
-
-def _fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
-    """Log what a run holds: parameters, metrics, series, files, and the surrogate as a loadable model."""
-    import mlflow
-    from mlflow.entities import Metric, Param
-
-    series = {key: list(enumerate(values)) for key, values in run["series"].items()}
-    series |= {key: [(0, value)] for key, value in run["metrics"].items()}
-    metrics = [Metric(key, float(v), run["ended"], step) for key, values in series.items() for step, v in values]
-    for part in _parts(metrics, 1000):
-        client.log_batch(identity, metrics=part)
-    for part in _parts([Param(key, str(value)) for key, value in run["params"].items()], 100):
-        client.log_batch(identity, params=part)
-    for file in run["files"]:
-        client.log_artifact(identity, file)
-    if run["surrogate"]:
-        with mlflow.start_run(run_id=identity):
-            mlflow.sklearn.log_model(
-                load(run["surrogate"]),
-                name="surrogate",
-                pip_requirements=["palpate", "scikit-learn", "scipy", "numpy"],
-                serialization_format="cloudpickle",
-            )
-
-
-def _parts(entries: list[Any], size: int) -> Iterator[list[Any]]:
-    for first in range(0, len(entries), size):
-        yield entries[first : first + size]
 
 
 def _lock_of(uri: str) -> Path:

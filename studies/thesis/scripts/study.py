@@ -18,9 +18,9 @@ def main(snakemake):
     )
     fitted = Path(snakemake.output.fitted)
     fitted.mkdir(parents=True, exist_ok=True)
-    with tracked_runs("thesis", snakemake.output.record) as runs:
+    with tracked_runs("thesis", snakemake.output.record) as record:
         outcome = thesis.STUDIES[key].run(context)
-        runs += [each.run(fitted, key) for each in outcome.fitted]
+        record.runs += [each.run(fitted, key) for each in outcome.fitted]
     seconds = {"seconds": time.perf_counter() - began}
     write_json(snakemake.output.outcome, outcome.to_mapping() | seconds)
 

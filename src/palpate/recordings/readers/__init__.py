@@ -17,7 +17,7 @@ from palpate.recordings.readers.columns import holds_columns, missing_channel, r
 from palpate.recordings.readers.left_out import nothing_found
 from palpate.recordings.readers.source import Source, numbers_of
 from palpate.recordings.readers.tables import tables_of
-from palpate.recordings.readers.tagged import no_less_hidden, not_shown, remarked, set_aside, taken
+from palpate.recordings.readers.tagged import averages, no_less_hidden, not_shown, remarked, set_aside, taken
 from palpate.recordings.readers.units import CHANNELS, mended
 from palpate.recordings.readers.unknown import no_table, unknown
 from palpate.recordings.readers.vendor import (
@@ -124,7 +124,7 @@ def read_each(
                 raise InputError("is empty", remedy="export or copy it again", file=path)
             with no_less_hidden(source):
                 tests = [_printable(test) for test in _whole(source, corrections, columns, columns_required)]
-                aside = [set_aside(source, test) for test in zeroed_each(path, tests, contact)]
+                aside = [set_aside(source, test) for test in zeroed_each(path, averages(tests), contact)]
                 return [*unless_all_fail(remarked(source, aside)), *not_shown(source)]
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error

@@ -1,4 +1,4 @@
-"""Force curves of atomic force microscopes (JPK, Asylum/Igor, AFM HDF5), read by the library ``afmformats``.
+"""Force curves of atomic force microscopes (JPK, Asylum/Igor, AFM HDF5 and tab), read by the library ``afmformats``.
 
 The tip is where the height sensor is, moved by the cantilever's deflection: depth = -(height + force / stiffness).
 These files mark no contact; time and depth are counted from the start of the curve, so contact must be found or given.
@@ -34,6 +34,9 @@ from palpate.recordings.readers.vendor import (
 )
 from palpate.recordings.recording import Recording
 
+TAB = b"# afmformats"
+METADATA = b"BEGIN METADATA"
+SHORT = 120  # letters of a library's reason
 JPK_ENDINGS = (".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series")
 HEIGHTS = ("height (measured)", "height (piezo)")
 CALIBRATION = {"spring constant": b"SpringConstant", "sensitivity (InvOLS)": b"InvOLS"}
@@ -51,6 +54,8 @@ def _ending(source: Source) -> str | None:
     begun = source.begun
     if begun.startswith(HDF5) and b"afmformats" in source.content:
         return ".h5"
+    if begun.startswith(TAB) and METADATA in begun:
+        return ".tab"
     if begun.startswith(tuple(HEADERS)) and is_wave(source.content):
         return ".ibw"
     if begun.startswith(ZIP) and b"header.properties" in source.content:
@@ -89,10 +94,9 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
         except errors.MissingMetaDataError as error:
             raise not_stated(*error.meta_keys) from error
         except (Exception, errors.AFMFileFormatError) as error:
-            lacks = f": it states no {error.args[0]}" if isinstance(error, KeyError) and error.args else ""
             raise InputError(
-                f"afmformats cannot read it ({type(error).__name__}{lacks})",
-                remedy="copy or export it again, or export time, force and height as text",
+                f"afmformats cannot read it ({_reason(error, copy)})",
+                remedy="export the curve as text, with time, force and height (JPK's text export is read)",
                 file=source.path,
             ) from error
     if not tests:
@@ -153,6 +157,25 @@ def not_stated(*names: str) -> InputError:
     return InputError(f"states no {' and no '.join(names)}, so that its deflection is no load", remedy=UNCALIBRATED)
 
 
+def _reason(error: BaseException, copy: Path) -> str:
+    """Return in one line why the library cannot read a file; why it knows no format of JPK's its loader says."""
+    from afmformats import errors
+    from afmformats.formats.fmt_jpk import load_jpk
+
+    if isinstance(error, KeyError) and error.args:
+        return f"it states no {error.args[0]}"
+    said = ""
+    if not isinstance(error, errors.FileFormatNotSupportedError):
+        said = str(error)
+    elif copy.suffix in JPK_ENDINGS:
+        try:
+            load_jpk(copy)
+        except Exception as reason:
+            said = str(reason)
+    said = " ".join(said.split())[:SHORT]
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
+
+
 @contextmanager
 def _silence() -> Iterator[None]:
     """Keep the libraries from printing what they meet; the caller says it in one line."""
@@ -167,4 +190,4 @@ def _silence() -> Iterator[None]:
             logger.setLevel(level)
 
 
-READER = Reader("afm", "AFM force curve (JPK, Igor, HDF5; by afmformats)", matches, read)
+READER = Reader("afm", "AFM force curve (JPK, Igor, HDF5, tab; by afmformats)", matches, read)

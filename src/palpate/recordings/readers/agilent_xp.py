@@ -17,6 +17,7 @@ from palpate.errors import InputError
 from palpate.recordings.readers.numbers_in_text import number
 from palpate.recordings.readers.sheets_of_tests import (
     channel,
+    evaluated,
     facts_of,
     first_of,
     headings_of,
@@ -94,7 +95,7 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
             depth = depth - raw * _compliance(frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
     recording = Recording(time, load, depth, sheet, (f"from {source.path.name}",), stiffness)
-    return VendorTest(sheet, recording, metadata, warnings, marked)
+    return VendorTest(sheet, recording, metadata | evaluated(source, sheet, kept, load), warnings, marked)
 
 
 def _drift(text: str | None) -> float:

@@ -20,7 +20,6 @@ NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
 ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
 TOGETHER = 1_000_000  # points, looked at at once
 FINDS = "--contact auto finds the contact"
-VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is reported
 
 
 def air_before(recording: Recording) -> ContactPoint | None:
@@ -186,9 +185,11 @@ def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
     """Return a recording that begins at contact up to where the tip has left, and messages on the rest.
 
     It has left where the load falls below zero for good, or where the depth comes back through contact for good; or
-    before that, where the load has fallen to what it reads in air beyond, which may have drifted.
+    before that, where the load has fallen to what it reads in air beyond, which may have drifted. A load that is less
+    than zero where the test begins is counted from there.
     """
-    load, depth, noise = recording.load, recording.depth, noise_of(recording.load)
+    depth, noise = recording.depth, noise_of(recording.load)
+    load = recording.load - (recording.load[0] if recording.load[0] < -CLEAR * noise else 0.0)
     loaded = np.flatnonzero(load > CLEAR * noise)
     last = int(loaded[-1]) if len(loaded) else len(recording) - 1
     below = np.flatnonzero(load[last:] < 0)
@@ -200,9 +201,10 @@ def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
     rest = recording.depth[end:]
     if rest.min(initial=0.0) >= -SHARE * depth.max():
         return recording.at(slice(end)), _after_zero_load(recording, end)
+    left = recording.load[end:]
     return recording.at(slice(end)), (
         f"ends at {recording.time[end]:.4g} s, where the tip has left: {len(rest)} points of its retreat to "
-        f"{rest.min():.4g} nm, at {load[end:].min():.3g} to {load[end:].max():.3g} mN, are left out",
+        f"{rest.min():.4g} nm, at {left.min():.3g} to {left.max():.3g} mN, are left out",
     )
 
 

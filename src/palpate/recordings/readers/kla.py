@@ -13,6 +13,7 @@ import numpy as np
 from palpate.recordings.readers.sheets_of_tests import (
     MARKERS,
     channel,
+    evaluated,
     facts_of,
     first_of,
     headings_of,
@@ -39,6 +40,7 @@ CHANNELS = {
     "load": ("load", "load on sample", "force on surface", "corrected load"),
     "depth": ("depth", "displacement into surface", "indentation depth", "penetration depth", "corrected depth"),
 }
+STIFFNESS = ("harmonic contact stiffness", "stiffness")
 UNMARKED = "no marker gives the surface; contact is where the load shows it"
 
 
@@ -67,10 +69,10 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     """Read all tests, in the order of their numbers."""
     refuse_corrections(source, corrections)
     facts = facts_of(source, ("Pre-Test Inputs", "Post-Test Inputs", "Results"))
-    return read_sheets(source, facts, _names, _test)
+    return read_sheets(source, facts, _names, test_on_sheet)
 
 
-def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
+def test_on_sheet(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
     """Return the test on a sheet, its depth zero at contact; where no marker gives that, the load does."""
     names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
     channels = [channel(source, sheet, names[key], key) for key in CHANNELS]
@@ -81,8 +83,13 @@ def _test(source: Source, sheet: str, metadata: dict[str, str]) -> VendorTest:
         begin, marked = int(np.searchsorted(kept, marker)), True
     else:
         begin, marked, warnings = contact(load, depth), False, (*warnings, UNMARKED)
-    recording = Recording(time - time[begin], load, depth - depth[begin], sheet, (f"from {source.path.name}",))
-    return VendorTest(sheet, recording, metadata, warnings, marked)
+    named = first_of(headings_of(source, sheet), STIFFNESS)
+    stiffness = 1e-6 * channel(source, sheet, named, "stiffness")[kept] if named else None
+    if stiffness is not None and not np.isfinite(stiffness).any():
+        stiffness = None
+    notes = (f"from {source.path.name}",)
+    recording = Recording(time - time[begin], load, depth - depth[begin], sheet, notes, stiffness)
+    return VendorTest(sheet, recording, metadata | evaluated(source, sheet, kept, load), warnings, marked)
 
 
 READER = Reader("kla", "KLA workbook", matches, read)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from palpate.errors import InputError
 from palpate.recordings.readers.column_map import ColumnMap, called, columns_of
 from palpate.recordings.readers.formulas import without_values
+from palpate.recordings.readers.headings import channel_of
 from palpate.recordings.readers.tables import Table, header_of
 from palpate.recordings.readers.units import CHANNELS
 from palpate.recordings.readers.vendor import Unreadable
@@ -74,10 +75,12 @@ def _other_header(table: Table, columns: ColumnMap) -> InputError:
     rows = [{called(cell) for cell in row} for row in table.rows]
     wanted = [columns.names[key] for key in CHANNELS]
     absent = min(([name for name in wanted if called(name) not in row] for row in rows), key=len)
+    named = max(len({channel_of(cell) for cell in row if isinstance(cell, str)} & {*CHANNELS}) for row in table.rows)
+    remedy = "it is no test, unless it holds these under other names"
+    if named == len(CHANNELS):
+        remedy = f"if it is a test, read it in a call of its own by its own names ({header_of([table])})"
     return InputError(
-        f"has no column{'s' if len(absent) > 1 else ''} {', '.join(absent)}",
-        remedy=f"read it in a call of its own by its own names ({header_of([table])})",
-        place=f"sheet {table.name}",
+        f"has no column{'s' if len(absent) > 1 else ''} {', '.join(absent)}", remedy=remedy, place=f"sheet {table.name}"
     )
 
 

@@ -37,7 +37,7 @@ def _last_at_rest(load: np.ndarray, depth: np.ndarray, largest: float) -> int:
     """Return the last point at rest of channels (n,) up to the `largest` load; 0 where there is no rest.
 
     Its average is the last at or below its level before load or depth leaves the noise, whichever does first: no part
-    of the movement is lost.
+    of the movement is lost. Where the depth stands still, the load's noise does not matter.
     """
     moved = np.zeros(len(load), dtype=bool)
     for channel in (load, depth):
@@ -46,6 +46,8 @@ def _last_at_rest(load: np.ndarray, depth: np.ndarray, largest: float) -> int:
     still = int(np.argmax(moved))
     if not still or abs(np.median(load[:still])) > max(CLEAR * noise_of(load), BARELY_LOADED * largest):
         return 0
+    if np.ptp(depth[:still]) <= ROUNDING * np.ptp(depth):
+        return still - 1
     ends = []
     for channel in (load[:still], depth[:still]):
         smooth = uniform_filter1d(channel, max(min(still, len(moved) - still) // AVERAGES, 1))

@@ -19,6 +19,8 @@ from palpate.recordings.readers.vendor import Unreadable, VendorTest, attempt, u
 
 MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
+EVALUATED = re.compile(r"(young'?s )?(modulus|hardness)")  # columns of results
+INVALID = 1e300  # beyond it a value means "invalid"
 
 
 def tests_of(source: Source) -> dict[str, str]:
@@ -147,6 +149,45 @@ def surface(source: Source, sheet: str) -> int | None:
     rows = source.sheet(sheet)[1 + has_row_of_units(source, sheet) :]
     marked = (k for k, row in enumerate(rows) if str(row[index]).strip().casefold().startswith(SURFACE))
     return next(marked, None)
+
+
+def evaluated(source: Source, sheet: str, kept: np.ndarray, load: np.ndarray) -> dict[str, str]:
+    """Return what a test's own columns of modulus and hardness say, as the results of a test are stated.
+
+    It is the value in the row of the largest load, or else the median of those in the upper half of the loading, where
+    a continuous stiffness gives one in each row.
+
+    Parameters
+    ----------
+    source, sheet
+        The workbook, and the name of the sheet.
+    kept : ndarray, shape (n,)
+        Rows of numbers that make the test, from 0.
+    load : ndarray, shape (n,)
+        Its load [mN].
+    """
+    facts: dict[str, str] = {}
+    rows = source.sheet(sheet)[1 + has_row_of_units(source, sheet) :]
+    peak = int(np.argmax(load))
+    upper = np.flatnonzero(load[: peak + 1] >= load[peak] / 2)
+    for name, index in headings_of(source, sheet).items():
+        if not EVALUATED.fullmatch(name):
+            continue
+        values = np.array([_value(rows[kept[k]][index]) for k in upper])
+        known = values[np.isfinite(values) & (values > 0.0)]
+        if len(known):
+            value = values[-1] if np.isfinite(values[-1]) and values[-1] > 0.0 else np.median(known)
+            facts[f"{name.capitalize()} in its column [{stated_unit(source, sheet, name)}]"] = f"{value:.5g}"
+    return facts
+
+
+def _value(cell: object) -> float:
+    """Return the number in a cell; NaN where there is none, or one that means "invalid"."""
+    try:
+        value = float(str(cell))
+    except ValueError:
+        return np.nan
+    return value if abs(value) < INVALID else np.nan
 
 
 def facts_of(source: Source, sheets: Sequence[str]) -> dict[str, dict[str, str]]:

@@ -12,19 +12,26 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
+import numpy as np
+
 from palpate.errors import InputError
 from palpate.recordings.readers.source import TEST, Source, number_of
 from palpate.recordings.readers.units import CHANNELS
 from palpate.recordings.readers.vendor import Unreadable, VendorTest
+from palpate.recordings.recording import COMPARED, Recording
 
 TAGGED = re.compile(
     r"(?<![^\W_])(?:tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
 )
+OF_MEAN = r"(?:averages?|avg|means?|median|mittelwerte?|mittel|durchschnitt|moyennes?|promedio|media)"
+OF_TEST = r"(?:tests?|specimens?|samples?|prob(?:e|en)|proben|eprouvettes?|éprouvettes?|essais?|probetas?)"
 AVERAGED = re.compile(
-    r"(?:(?:the )?(?:average|averages|avg|mean|means|median|mittelwerte?|durchschnitt|moyennes?|promedio)"
-    r"|(?:average|avg|mean|median)[ _-](?:curve|data|test|of[ _-].*)|std|st ?dev|standard deviations?)",
+    rf"(?:(?:the )?{OF_MEAN}|{OF_MEAN}[ _-]?(?:curve|kurve|data|of[ _-].*|des[ _-].*|{OF_TEST})"
+    rf"|{OF_TEST}[ _-]?{OF_MEAN}|std|st ?dev|standard deviations?)",
     re.IGNORECASE,
 )
+ALIKE = 1e-3  # of a channel's range, chosen: the mean of rounded and interpolated curves is as near the others' mean
+APART = 5.0  # times that, chosen: by which some of the others lie off their mean
 
 
 def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unreadable:
@@ -43,6 +50,40 @@ def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unr
         place=test.name,
     )
     return Unreadable(test.name, error, uncounted=test)
+
+
+def averages(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
+    """Return the tests; one that is the mean of all others by its load and depth, not by its name, is uncounted.
+
+    The middle one of evenly spaced curves is the mean of the others too, and bears a number as they do.
+    """
+    curves = {k: test.recording for k, test in enumerate(tests) if isinstance(test, VendorTest)}
+    if any(AVERAGED.fullmatch(tests[k].name.strip()) for k in curves):
+        return list(tests)
+    found = [k for k in curves if _is_mean(curves[k], [curve for j, curve in curves.items() if j != k])]
+    if len(found) > 1:
+        found = [k for k in found if not any(map(str.isdigit, tests[k].name))]
+    reason = "its load and depth are the mean of the other tests'"
+    return [
+        replace(test, uncounted=reason) if [k] == found and isinstance(test, VendorTest) else test
+        for k, test in enumerate(tests)
+    ]
+
+
+def _is_mean(curve: Recording, others: Sequence[Recording]) -> bool:
+    """Return whether a curve is the mean of two others or more, at equal times of the whole test."""
+    if len(others) < 2:
+        return False
+    since = [other.time - other.time[0] for other in (curve, *others)]
+    time = np.linspace(0.0, min(float(clock[-1]) for clock in since), COMPARED)
+    for key in ("load", "depth"):
+        values = [np.interp(time, clock, getattr(r, key)) for clock, r in zip(since, (curve, *others), strict=True)]
+        mean, span = np.mean(values[1:], axis=0), float(np.ptp(values[0]))
+        if np.sqrt(np.mean((values[0] - mean) ** 2)) > ALIKE * span:
+            return False
+        if key == "load" and max(float(np.abs(each - mean).max()) for each in values[1:]) < APART * ALIKE * span:
+            return False
+    return True
 
 
 def not_shown(source: Source) -> list[Unreadable]:

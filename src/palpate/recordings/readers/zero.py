@@ -14,11 +14,11 @@ from palpate.base.channel_noise import noise_of
 from palpate.errors import InputError
 from palpate.recordings.borne_load import LEAST_RISE, check_borne
 from palpate.recordings.contact_interval import interval_note
+from palpate.recordings.contact_of_replicates import VAGUE
 from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, touch_at
 from palpate.recordings.readers.in_air import (
     FINDS,
     SHARE,
-    VAGUE,
     air_at_start,
     air_before,
     retreat_before,
@@ -39,8 +39,9 @@ Contact = str | float | Mapping[str, float]
 CONTACTS = ("file", "auto", "none")
 FOUND, GIVEN = "found by palpate", "given by the user"
 DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
-WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
+WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "smooth": "a slow curve"}
 OFF_ZERO = 0.05  # of the way to the largest load
+COUNTED = 0.005  # of the test's depth, chosen: a zero that lies farther from where a test begins is told
 LAST_FREE = 10  # points of an approach from which the load without contact is taken
 
 
@@ -80,6 +81,7 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     except InputError as error:
         raise error.located(place=test.name) from None
     messages = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
+    messages = (*_subtracted(r, point), *messages)
     begins = begun(r, point, FOUND if found else GIVEN)
     look = retreats_at_start if found else air_at_start
     air = look(begins, remedy="--contact NM puts contact elsewhere")
@@ -95,8 +97,10 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     if air is None:
         if rested:
             moving = replace(moving, time=moving.time - moving.time[0])
+        moving, counted = (moving, ()) if test.marked else _counted_from_the_start(moving)
         messages = (
             *rested,
+            *counted,
             *_off_zero(moving),
             *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
             *(air_at_start if test.marked else retreats_at_start)(moving),
@@ -109,7 +113,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     if retreat > SHARE * (float(sought.depth.max()) - air.depth):
         message += f", and the tip retreats by {retreat:.3g} nm before contact"
     message += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    messages = (message, *_vague(sought, air), *sloping(sought, air.index))
+    messages = (message, *_subtracted(sought, air), *_vague(sought, air), *sloping(sought, air.index))
     return _ended(test, begun(sought, air, FOUND), messages)
 
 
@@ -143,6 +147,14 @@ def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
         f"contact is known to {point.lower:.4g} to {point.upper:.4g} nm only, {wide / depth:.0%} of the test's depth"
         f"{because}: a diagnosis tries every zero of the depth within it",
     )
+
+
+def _subtracted(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
+    """Return a message where what the load reads at contact, and is subtracted from all of it, is not within noise."""
+    largest = float(recording.load.max()) - point.load
+    if abs(point.load) <= max(CLEAR * noise_of(recording.load), BARELY_LOADED * largest):
+        return ()
+    return (f"the load reads {point.load:.3g} mN at contact, which is subtracted from all of it",)
 
 
 def _far_from_the_file_s(test: VendorTest, point: ContactPoint) -> tuple[str, ...]:
@@ -237,10 +249,27 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
     return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact ({FINDS})",)
 
 
+def _counted_from_the_start(r: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Return a test of a file without a mark, its depth zero where it begins without load, and a message on that.
+
+    Such a file counts its depth from elsewhere, as from where the load reaches a preload.
+    """
+    first, largest = float(r.depth[0]), float(np.ptp(r.depth))
+    clear = max(CLEAR * noise_of(r.depth), COUNTED * largest)
+    loaded = abs(r.load[0]) > max(CLEAR * noise_of(r.load), BARELY_LOADED * float(np.ptp(r.load)))
+    if loaded or abs(first) <= clear:
+        return r, ()
+    said = f"the depth is counted from where the test begins, {first:.4g} nm of the file ({FINDS})"
+    return replace(r, depth=r.depth - first), (said,)
+
+
 def _under_load(r: Recording) -> tuple[str, ...]:
-    """Return a warning where a test begins under load at zero depth: one of them is not counted from contact."""
+    """Return a warning where a test begins under load at zero depth: one of them is not counted from contact.
+
+    A load that reads less than zero there is counted from elsewhere, too.
+    """
     peak = int(np.argmax(r.load))
-    if r.load[0] <= OFF_ZERO * r.load[peak] or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
+    if abs(r.load[0]) <= OFF_ZERO * (r.load[peak] - min(r.load[0], 0.0)) or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
         return ()
     return (
         f"begins under {r.load[0]:.4g} of {r.load[peak]:.4g} mN at a depth of {r.depth[0]:.4g} nm: the load, or the "
@@ -274,7 +303,7 @@ def begun(recording: Recording, point: ContactPoint, by: str) -> Recording:
         )
     )  # fmt: skip
     stiffness = None if recording.stiffness is None else np.append(np.nan, recording.stiffness[later])
-    notes = (*recording.notes, f"contact {by}: {_place(point)}, where the load read {point.load:.3g} mN")
+    notes = (*recording.notes, f"contact {by}: {_place(point)}, where the load read {point.load:.3g} mN: subtracted")
     notes += (interval_note(point),) if by == FOUND else ()
     return replace(recording, time=time, load=load, depth=depth, notes=notes, stiffness=stiffness)
 

@@ -50,7 +50,7 @@ def indent_distinct(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()
     return [_enlarged(histories[k], ratio) for k, ratio in places]
 
 
-def room(cases: Sequence[Case]) -> int:
+def free_lanes(cases: Sequence[Case]) -> int:
     """Return how many times all cases, each a little changed, fit into the lanes that they take once."""
     kinds = Counter(members[0].kind for members in classes_of(cases, length_ratio))
     return max(1, LANES // max(kinds.values()))

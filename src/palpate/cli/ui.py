@@ -1,0 +1,69 @@
+"""``palpate ui``: MLflow's pages on the runs of the studies of this folder."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+from palpate.errors import InputError
+
+NAME = "ui"
+HELP = "open the comparison of runs in MLflow"
+PORT = 5000
+PORTS = 100  # that are tried where no port is given
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--results", type=Path, metavar="FOLDER", help="the folder of results (default: results)")
+    parser.add_argument("--port", type=int, help=f"where MLflow listens (default: {PORT} or the next free one)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the link of each study's comparison, and start MLflow on the store, unless a server is named.
+
+    Raises
+    ------
+    InputError
+        When there is no store yet, or the port is not free.
+    """
+    from palpate.workflow_support.saved_view import link
+    from palpate.workflow_support.tracking import LIMITS, experiments, store_of
+
+    results = arguments.results or Path("results")
+    store = store_of(results)
+    studies = experiments(results)
+    served = store.startswith(("http://", "https://"))
+    port = None if served else _free(arguments.port)
+    server = store if served else f"http://127.0.0.1:{port}"
+    for study, identity in studies.items():
+        print(f"{study}: {link(server, identity)}", flush=True)
+    if served:
+        return 0
+    print("MLflow starts, which takes some seconds; Ctrl-C ends it", flush=True)
+    command = [
+        sys.executable,
+        "-m",
+        "mlflow",
+        "ui",
+        "--backend-store-uri",
+        store,
+        "--port",
+        str(port),
+        "--workers",
+        "1",
+    ]
+    return subprocess.run(command, env=os.environ | LIMITS, check=False).returncode
+
+
+def _free(port: int | None) -> int:
+    """Return a port of this machine on which nothing listens."""
+    for each in [port] if port else range(PORT, PORT + PORTS):
+        with socket.socket() as found:
+            if found.connect_ex(("127.0.0.1", each)) != 0:
+                return each
+    raise InputError("something listens there already", remedy="give another --port", place="--port")

@@ -1,0 +1,67 @@
+"""A fact about recordings that needs no model of the material, with its interval and what it suggests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from palpate.mechanisms import MECHANISMS
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One fact.
+
+    Parameters
+    ----------
+    fact
+        What was measured, in words.
+    estimate, lower, upper
+        In the `unit`; 95 % interval.
+    points_to
+        Mechanisms that move it away from `neutral`; those that the library does not have are left out.
+    neutral
+        Its value without any of them; None where the material itself moves it, so that it suggests nothing.
+    negligible
+        How far from there it may lie without counting as an effect.
+    """
+
+    fact: str
+    estimate: float
+    lower: float
+    upper: float
+    unit: str
+    points_to: tuple[str, ...] = ()
+    neutral: float | None = 0.0
+    negligible: float = 0.0
+
+    @property
+    def suggests(self) -> list[str]:
+        """The mechanisms to which it points: none where the interval contains what is found without any."""
+        if self.neutral is None or self.lower - self.negligible <= self.neutral <= self.upper + self.negligible:
+            return []
+        return [key for key in self.points_to if key in MECHANISMS]
+
+    def row(self) -> dict[str, Any]:
+        """Return its content for `diagnosis.json`."""
+        values = {name: float(getattr(self, name)) for name in ("estimate", "lower", "upper")}
+        return {"fact": self.fact} | values | {"unit": self.unit, "suggests": self.suggests}
+
+
+def in_words(row: Mapping[str, Any]) -> str:
+    """Return a sentence on a row of `diagnosis.json`."""
+    unit = "" if row["unit"] == "-" else f" {row['unit']}"
+    value, lower, upper = (f"{row[name]:.3g}" for name in ("estimate", "lower", "upper"))
+    titles = [MECHANISMS[key].title for key in row["suggests"]]
+    start = f"{row['fact'][0].upper()}{row['fact'][1:]}: {value}{unit} ({lower} to {upper})"
+    return f"{start}, as with {_either(titles)}." if titles else f"{start}."
+
+
+def suggestive(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return the sentences on the rows that suggest a mechanism."""
+    return " ".join(in_words(row) for row in rows if row["suggests"])
+
+
+def _either(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"

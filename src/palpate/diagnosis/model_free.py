@@ -1,0 +1,73 @@
+"""Facts about a study's recordings that need no model of the material, each with an interval and what it suggests.
+
+They come before any fit, and hold whatever the material's law is. None of them is a verdict: one in twenty of the
+intervals misses the truth by chance, and several mechanisms move each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from palpate.configuration.study_file import Study
+from palpate.diagnosis import replicate_facts, scaling_facts
+from palpate.diagnosis.constraints import law_of_reference, laws_of
+from palpate.diagnosis.fact import Fact
+from palpate.inference.observation import Observation
+from palpate.inference.study_scale import middle
+from palpate.materials.flow.row import creeps
+from palpate.mechanisms import MECHANISMS
+from palpate.recordings.recording import Recording
+from palpate.recordings.reversal_lag import reversal_lag
+from palpate.study.protocol import LOAD
+
+TITLES = {
+    "thermal_drift": "rate of the depth in holds at low load, creep and recovery included",
+    "frame_compliance": "compliance in series, from unloadings within a test",
+}
+
+
+def model_free(
+    study: Study, recorded: Mapping[str, Sequence[Recording]], observed: Mapping[str, Observation]
+) -> list[Fact]:
+    """Return what the tests of a study that take part in its calibration show without a model.
+
+    Parameters
+    ----------
+    study
+        Says which tip and which load histories there are.
+    recorded
+        Recordings of each condition, from contact on.
+    observed
+        The same, resampled.
+    """
+    tests = [(c, recorded[c.name]) for c in study.calibrated if c.protocol.control == LOAD]
+    every = [recording for _, recordings in tests for recording in recordings]
+    found = [*_lag(every), *_exact(study, every)]
+    if study.indenter.sharp:
+        material = study.specification(middle(study), study.conditions[0])
+        creeping = creeps(material.specimen.coefficients)
+        found += scaling_facts.facts(tests, study.calibration["site_scatter"], creeping)
+    found += replicate_facts.differences({c.name: observed[c.name] for c, _ in tests})
+    found += replicate_facts.trend(tests)
+    return [fact for fact in found if np.isfinite([fact.estimate, fact.lower, fact.upper]).all()]
+
+
+def _lag(recordings: Sequence[Recording]) -> list[Fact]:
+    found = reversal_lag(recordings)
+    if found is None:
+        return []
+    text = "lag of the depth behind the load at corners of its history"
+    return [Fact(text, found.lag, found.lower, found.upper, "s", ("controller_lag",))]
+
+
+def _exact(study: Study, recordings: Sequence[Recording]) -> list[Fact]:
+    """Return drift and compliance by exact laws, as they appear: the contribution of creep is not subtracted."""
+    found = []
+    for law in [*laws_of(recordings), *law_of_reference(recordings, study)]:
+        (unit,) = (p.unit for p in MECHANISMS[law.key].parameters if p.name == law.parameter)
+        text, background = f"{TITLES[law.key]} ({law.source})", MECHANISMS[law.key].background
+        interval = law.estimate, law.lower, law.upper
+        found.append(Fact(text, *interval, unit, (law.key, *law.void_with), 0.0, background))
+    return found

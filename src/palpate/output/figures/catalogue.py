@@ -1,0 +1,10 @@
+"""The figures of a study's results: every file of this folder that defines ``FIGURE`` is found by itself."""
+
+from pathlib import Path
+
+from palpate.base.discovery import discover
+from palpate.output.figures.paper_figure import PaperFigure
+
+FIGURES: dict[str, PaperFigure] = {
+    found.name: found for found in discover(__name__.rpartition(".")[0], [str(Path(__file__).parent)], "FIGURE")
+}

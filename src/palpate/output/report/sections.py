@@ -1,0 +1,230 @@
+"""The sections below the first screen, of one set of recordings."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pandas as pd
+
+from palpate.diagnosis.locate import CERTAIN
+from palpate.mechanisms import MECHANISMS
+from palpate.output.figures import curves, residuals
+from palpate.output.html_report import paragraph, table
+from palpate.output.results.answer import Answer
+from palpate.output.results.diagnosis import quantity_in_words, titles_of
+from palpate.output.rounding import interval_of, percent, rounded
+
+WORDS = {"calibrate": "fitted", "validate": "held out"}
+MOST_PARTS = 12  # rows of the table of misfits
+Picture = Callable[[str], str]  # a figure by its name, with its caption, or nothing
+EXACT = {
+    "model_free": (
+        "Facts without a model",
+        "What the recordings show before any law of the material is fitted, with 95 % intervals. One in twenty of "
+        "these misses the truth by chance; where an interval excludes what is found without any effect, the mechanisms "
+        "that it suggests are listed.",
+    ),
+    "laws": (
+        "Amplitudes from exact laws",
+        "A hold at low load gives the drift, and the initial slopes of unloadings from several loads give the frame "
+        "compliance, whatever the shape of the tip. Where the solid creeps, the amplitudes that these laws give for "
+        "the base model's own curves are subtracted, and widen the interval by as much on both sides. A law without a "
+        "lower end is an upper bound. An explanation whose amplitude from the curves contradicts them is not accepted. "
+        "The last column lists the mechanisms that break the assumptions of a law.",
+    ),
+    "zero_points": (
+        "Zero points by the law of a sharp tip",
+        "The depth [nm] at which the loading curve of a sharp tip, load = C (depth - zero)^2, begins in each test; "
+        "with frame_off, after the compliance that the unloadings give is subtracted. Creep and a blunt tip shift it, "
+        "too, which the interval does not include: use differences between tests as offsets, not the values.",
+    ),
+}  # heading and explanation of the table that shows each of these entries of `diagnosis.json`
+
+
+def sections(found: Answer, picture: Picture) -> list[tuple[str, list[str]]]:
+    """Return headings and pieces of HTML."""
+    every = [("Curves", _curves(found, picture))]
+    if found.diagnosis:
+        every.append(("Where the base model fails", _fails(found, picture)))
+        every.append(("Explanations", _explanations(found, picture)))
+        every.append(("Identifiability", _identifiability(found)))
+        every.append(("What exact laws show", _exact(found.diagnosis.content)))
+    every.append(("Calibration sets", _calibrations(found, picture)))
+    return [(heading, pieces) for heading, pieces in every if pieces]
+
+
+def _curves(found: Answer, picture: Picture) -> list[str]:
+    name = html.escape(found.saved.name)
+    drawn = curves.table(found.saved)["condition"].unique()
+    options = "".join(
+        f'<option value="{k}">{html.escape(found.saved.labels[condition])}{_held_out(found, condition)}</option>'
+        for k, condition in enumerate(drawn)
+    )
+    over = (
+        '<option value="time">time</option><option value="drive">load</option><option value="response">depth</option>'
+    )
+    if found.saved.study.condition(drawn[0]).protocol.control != "load":
+        over = over.replace(">load<", ">displacement<").replace(">depth<", ">response<")
+    static = "".join(map(picture, ("curves", "residuals")))
+    return [
+        f'<div class="interactive" data-set="{name}"><div class="controls">'
+        f'<label>condition <select class="condition">{options}</select></label>'
+        f'<label>residual over <select class="over">{over}</select></label>'
+        '<span class="soft">Drag to zoom, double-click to go back; click a name in the legend to hide a curve.</span>'
+        "</div>"
+        '<div class="plot curve" role="img" aria-label="recorded and simulated curves of the chosen condition"></div>'
+        '<div class="plot residual" role="img" aria-label="recorded less simulated response of the chosen condition">'
+        f'</div><div class="static">{static}</div></div>',
+        _errors(found),
+    ]
+
+
+def _held_out(found: Answer, condition: str) -> str:
+    return " (held out)" if found.saved.study.condition(condition).role == "validate" else ""
+
+
+def _errors(found: Answer) -> str:
+    """Return the errors of the conditions, with and without the effects."""
+    left, rows = residuals.table(found.saved), []
+    for name, part in left.groupby("condition", sort=False):
+        unit = curves.unit_of(part)
+        row = {"condition": found.saved.labels[str(name)], "role": WORDS[part["role"].iloc[0]]}
+        for key, words in (("base", "base model"), ("accepted", "accepted model")):
+            if (values := curves.response(part, key)) is not None:
+                row[f"{words}, error"] = f"{rounded(float((values**2).mean() ** 0.5), 2)} {unit}"
+        if (band := curves.response(part, "band")) is not None:
+            row["noise and scatter"] = f"{rounded(float((band**2).mean() ** 0.5) / residuals.COVERED, 2)} {unit}"
+        rows.append(row)
+    return table(pd.DataFrame(rows), "Root mean square of recorded less simulated response")
+
+
+def _fails(found: Answer, picture: Picture) -> list[str]:
+    assert found.diagnosis
+    content, pieces = found.diagnosis.content, [picture("misfit_map")]
+    clearest = [row for row in content["location"] if row["q_value"] < CERTAIN]
+    if clearest:
+        pieces.append(_located(found, clearest))
+    else:
+        pieces.append(
+            paragraph(
+                "No part of a test has a significant misfit by itself. The test of the base model uses all parts "
+                f"together, and the effect of each mechanism on them (p = {rounded(content['p_value'], 2)})."
+            )
+        )
+    if left := content["missing"]:
+        pieces.append(f"<h3>Residual of the closest explanation, {html.escape(titles_of(left['mechanisms']))}</h3>")
+        parts = [row for row in left["location"] if row["q_value"] < CERTAIN]
+        pieces.append(_located(found, parts) if parts else paragraph("No part alone has a significant misfit."))
+        pieces += [table(pd.DataFrame(left["trends"]))] if left["trends"] else []
+    return pieces
+
+
+def _located(found: Answer, rows: list[Mapping[str, Any]]) -> str:
+    """Return the parts of tests with a significant misfit."""
+    texts = (
+        {
+            "test": found.saved.labels[row["condition"]],
+            "segment": row["segment"],
+            "part": row["part"],
+            "mean residual [nm]": f"{row['residual_nm']:+.1f}".replace("-", "−"),
+            "q-value": rounded(row["q_value"], 2) if row["q_value"] > 1e-4 else "< 0.0001",
+        }
+        for row in rows[:MOST_PARTS]
+    )
+    return table(pd.DataFrame(texts), "Parts of tests with a significant misfit, most significant first")
+
+
+def _explanations(found: Answer, picture: Picture) -> list[str]:
+    assert found.diagnosis
+    accepted = found.diagnosis.candidates
+    rows = (
+        {
+            "explanation": row["explanation"],
+            "probability": percent(row["probability"]),
+            "quantity": quantity_in_words(row["parameter"]),
+            "estimate (95 %)": interval_of(row) + ("" if row["unit"] == "-" else f" {row['unit']}"),
+        }
+        for row in accepted.to_dict("records")
+    )
+    caption = "Accepted explanations"
+    pieces = [table(pd.DataFrame(rows), caption)] if len(accepted) else []
+    tried = found.diagnosis.tried
+    pieces.append(picture("explanations"))
+    every = pd.DataFrame(
+        {
+            "explanation": [titles_of(entry["mechanisms"]) for entry in found.diagnosis.content["tried"]],
+            "probability": [percent(value) for value in tried["probability"]],
+            "log evidence": [f"{value:.1f}" for value in tried["log_evidence"]],
+            "error [nm]": [rounded(value, 2) for value in tried["rmse_nm"]],
+            "accepted": tried["accepted"],
+        }
+    )
+    pieces.append(f"<details><summary>All {len(every)} fits</summary>{table(every)}</details>")
+    return pieces
+
+
+def _identifiability(found: Answer) -> list[str]:
+    assert found.diagnosis
+    content, pieces = found.diagnosis.content, []
+    if joint := content["joint_intervals"]:
+        alone = {effect["name"]: interval_of(effect) for effect in found.effects}
+        rows = (
+            {
+                "effect": quantity_in_words(name),
+                "unit": found.saved.quantity(name).unit,
+                "accepted model (95 %)": alone.get(name, "-"),
+                "if all effects act (95 %)": interval_of(entry),
+                "most correlated with": quantity_in_words(entry["correlated_with"]) if entry["correlated_with"] else "",
+                "correlation": f"{entry['correlation']:.2f}".replace("-", "−"),
+            }
+            for name, entry in joint.items()
+        )
+        pieces += [
+            paragraph(
+                "Amplitude of each effect on the recorded depth if all effects considered act at once. Where its "
+                "interval is much wider than in the accepted model, these recordings do not determine the amplitude."
+            ),
+            table(pd.DataFrame(rows)),
+        ]
+    if undetected := content["undetected_effects"]:
+        rows = (
+            {"effect": quantity_in_words(name), "unit": found.saved.quantity(name).unit}
+            | {"amplitude if added (95 %)": interval_of(entry)}
+            for name, entry in undetected.items()
+        )
+        pieces += [
+            paragraph(
+                "Effects outside the accepted model, each added to it. A wide interval means that these recordings "
+                "neither show the effect nor rule it out."
+            ),
+            table(pd.DataFrame(rows)),
+        ]
+    if limits := content["limits"]:
+        pieces += ["<h3>Limits of these recordings</h3>", *map(paragraph, limits)]
+    return pieces
+
+
+def _joined(value: Any) -> Any:
+    """Return a list as text, mechanisms by their titles."""
+    return (
+        ", ".join(MECHANISMS[each].title if each in MECHANISMS else each for each in value)
+        if isinstance(value, list)
+        else value
+    )
+
+
+def _exact(content: Mapping[str, Any]) -> list[str]:
+    pieces = []
+    for key, (heading, text) in EXACT.items():
+        if rows := content[key]:
+            flat = [{name: _joined(value) for name, value in row.items()} for row in rows]
+            pieces += [f"<h3>{heading}</h3>", paragraph(text), table(pd.DataFrame(flat))]
+    return pieces
+
+
+def _calibrations(found: Answer, picture: Picture) -> list[str]:
+    made = found.calibration
+    sentences = made.sentences()[1:] if found.diagnosis else made.sentences()  # errors are those of the diagnosis
+    return [picture("parameters"), *map(paragraph, sentences)]

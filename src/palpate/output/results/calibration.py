@@ -1,0 +1,197 @@
+"""The calibration of a study's law on one set of recordings, without any mechanism: what ``calibration.json`` holds."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from palpate.base.parameters import in_words
+from palpate.configuration.study_file import Study
+from palpate.inference.calibration_result import MOST_MISFIT
+from palpate.output.figures import curves as curves_figure
+from palpate.output.rounding import interval_of, rounded
+from palpate.output.saved_set import ALL, SavedSet
+from palpate.output.shown import Shown, axes_for, composed
+from palpate.recordings.recording import Recording
+
+ERRORS = ("rmse_nm", "rmse_mN", "r2", "mean_abs_error_nm", "mean_abs_error_mN", "percent_error")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Shown):
+    """What a calibration of the base model found.
+
+    Parameters
+    ----------
+    saved
+        The results of the set of recordings.
+    condition_set
+        Which conditions it was calibrated on.
+    """
+
+    saved: SavedSet
+    condition_set: str = ALL
+
+    @property
+    def study(self) -> Study:
+        """The study."""
+        return self.saved.study
+
+    @property
+    def tests(self) -> Mapping[str, Sequence[Recording]]:
+        """Recordings of each condition, from contact on."""
+        return self.saved.tests
+
+    @property
+    def content(self) -> Mapping[str, Any]:
+        """What ``calibration.json`` holds."""
+        return self.saved.calibrations[self.condition_set]
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """Recorded, surrogates' and simulated curves of all conditions."""
+        return self.saved.fits[self.condition_set]
+
+    @property
+    def parameters(self) -> dict[str, Mapping[str, Any]]:
+        """For each parameter in the law's order its entry: estimate, lower, upper (95 % interval), identified, held."""
+        found = self.content["parameters"]
+        return {name: found[name] for name in self.study.declared if name in found}
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Estimates by the names of the parameters."""
+        return {name: entry["estimate"] for name, entry in self.parameters.items()}
+
+    @property
+    def discrepancy(self) -> Mapping[str, float] | None:
+        """Standard deviation of the law's discrepancy as a share of the depth, with its interval; None if unknown."""
+        return self.content.get("discrepancy")
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """One row a condition: role, root mean square error, R^2, mean absolute error, error in per cent."""
+        rows = [{"condition": name, **entry} for name, entry in self.content["conditions"].items()]
+        return pd.DataFrame(rows).filter(["condition", "role", *ERRORS])
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a parameter.
+
+        Returns
+        -------
+        DataFrame
+            parameter, unit, estimate, lower and upper (95 % interval), identified (whether the data determine it),
+            held, at_bound, outside (whether it lies beyond its range).
+        """
+        declared = self.study.declared
+        return pd.DataFrame(
+            {"parameter": name, "unit": declared[name].unit, **entry} for name, entry in self.parameters.items()
+        )
+
+    def to_json(self) -> str:
+        """Return the content of ``calibration.json``."""
+        return json.dumps(self.content, indent=2) + "\n"
+
+    def error_sentence(self) -> str:
+        """Return the root mean square errors over the conditions."""
+        errors = [entry["rmse_nm"] for entry in self.content["conditions"].values()]
+        loads = [entry["rmse_mN"] for entry in self.content["conditions"].values() if "rmse_mN" in entry]
+        span = f"Root mean square misfit {_span(errors)} nm over the conditions."
+        if not loads:
+            return span
+        return (
+            f"{span} Under displacement control the misfit of the load is {_span(loads)} mN; "
+            "in nm it is the equivalent difference of depth under the same load."
+        )
+
+    def misfit_sentence(self) -> str:
+        """Return what chi-square says of the base model."""
+        if all(entry["replicates"] == 1 for entry in self.content["noise"].values()):
+            return (
+                "There are no replicates, so the noise of the recordings is not known: it was taken from the "
+                "misfit itself, which therefore cannot test the model. Look at the misfit in time: a smooth pattern, "
+                "rather than noise, means that the model lacks something."
+            )
+        ratio = self.content["misfit_ratio"]
+        if ratio < MOST_MISFIT:
+            return (
+                "The misfit of the base model as a whole is about the noise of the recordings (chi-square per degree "
+                f"of freedom: {ratio:.2f}); a small effect may still be present, which the diagnosis tests."
+            )
+        return (
+            "The base model does not explain the recordings to their noise: chi-square per degree of freedom is "
+            f"{ratio:.3g}. Something is missing from it; intervals are widened accordingly and may still be too narrow."
+        )
+
+    def bound_sentence(self) -> str:
+        """Return which estimates lie outside their range, or at a limit of the law; nothing where none does."""
+        at, out = ([n for n, e in self.content["parameters"].items() if e[key]] for key in ("at_bound", "outside"))
+        beyond = [name for name in out if name not in at]
+        limits = f"At a limit: {', '.join(map(in_words, at))}; the other estimates may compensate for it."
+        ranges = (
+            f"Outside the plausible range: {', '.join(map(in_words, beyond))}. Check the range, and that the law suits "
+            "the material."
+        )
+        return " ".join(text for names, text in ((at, limits), (beyond, ranges)) if names)
+
+    def convergence_sentence(self) -> str:
+        """Return what to do where the search has not converged; nothing where it has."""
+        remedy = "hold parameters constant that the data cannot separate, or narrow the ranges"
+        return "" if self.content["converged"] else f"The search has not converged: {remedy}."
+
+    def sentences(self) -> list[str]:
+        """Return errors, misfit, estimates outside their range, and convergence in words."""
+        every = (self.error_sentence(), self.misfit_sentence(), self.bound_sentence(), self.convergence_sentence())
+        return [text for text in every if text]
+
+    def tables(self) -> list[pd.DataFrame]:
+        """Return the parameters with their intervals, and the errors of the conditions."""
+        rows = (
+            {
+                "parameter": in_words(name),
+                "unit": self.study.declared[name].unit,
+                "estimate (95 %)": interval_of(entry),
+                "identified": entry["identified"],
+            }
+            for name, entry in self.parameters.items()
+        )
+        return [pd.DataFrame(rows), self.errors]
+
+    def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
+        """Draw recorded and simulated curves.
+
+        Parameters
+        ----------
+        ax
+            Axes on which the curves of all conditions are drawn together. When not given, a figure is made with a
+            panel a condition.
+
+        Returns
+        -------
+        Axes or ndarray of Axes, shape (n,)
+            `ax`, or the axes of the figure.
+        """
+        frame = curves_figure.of_fit(self.curves)
+        if ax is not None:
+            curves_figure.together(axes_for(ax), frame)
+            return ax
+        return composed(curves_figure.draw, frame)
+
+    def __repr__(self) -> str:
+        known = [entry for entry in self.parameters.values() if not entry["held"]]
+        fixed = sum(entry["identified"] for entry in known)
+        return (
+            f"<Calibration of {self.study.name!r}, recordings {self.saved.name!r}: {fixed} of {len(known)} parameters "
+            "identified>"
+        )
+
+
+def _span(errors: Sequence[float]) -> str:
+    """Return the smallest and the largest error as text."""
+    return f"{rounded(min(errors))} to {rounded(max(errors))}" if len(errors) > 1 else rounded(errors[0])

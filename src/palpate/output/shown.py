@@ -1,0 +1,66 @@
+"""How results are shown: tables as text, HTML for a notebook, and axes of Matplotlib."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from palpate.output import html_report
+from palpate.output.figures.style import DOUBLE_COLUMN, styled
+
+
+class Shown:
+    """A result with a summary and a view in a notebook, from its sentences and tables."""
+
+    def sentences(self) -> Sequence[str]:
+        """Return sentences on the result."""
+        raise NotImplementedError
+
+    def tables(self) -> Sequence[pd.DataFrame]:
+        """Return the tables that belong to it."""
+        return ()
+
+    def summary(self) -> str:
+        """Return the result as text: what it is, sentences on it, then tables."""
+        return "\n\n".join(["\n".join([repr(self), *self.sentences()]), *map(text_table, self.tables())])
+
+    def _repr_html_(self) -> str:
+        head = f"<p><strong>{html.escape(repr(self).strip('<>'))}</strong></p>"
+        return "\n".join([head, *map(html_report.paragraph, self.sentences()), *map(html_report.table, self.tables())])
+
+
+def text_table(frame: pd.DataFrame) -> str:
+    """Return a table as text, with numbers and headings as the report writes them."""
+    return html_report.shown(frame).to_string(index=False)
+
+
+def extent(load: np.ndarray, depth: np.ndarray, duration: float) -> str:
+    """Return how long a curve of loads (n,) [mN] and depths (n,) [nm] lasts [s], and its largest load."""
+    peak = int(np.argmax(load))
+    return (
+        f"{len(load)} points in {duration:.4g} s; at the largest load, {load[peak]:.4g} mN, the depth is "
+        f"{depth[peak]:.4g} nm"
+    )
+
+
+def axes_for(ax: Axes | None) -> Axes:
+    """Return the axes to draw on: those given, or new ones, in the user's own style."""
+    from matplotlib import pyplot as plt  # which chooses a window or Jupyter: only where a notebook draws
+
+    return plt.subplots(layout="constrained")[1] if ax is None else ax
+
+
+@styled
+def composed(draw: Callable[..., None], *numbers: Any) -> np.ndarray:
+    """Draw a whole figure of the report with `draw`, and return its visible axes (n,)."""
+    from matplotlib import pyplot as plt
+
+    figure: Figure = plt.figure(figsize=(DOUBLE_COLUMN, 0.62 * DOUBLE_COLUMN))
+    draw(figure, *numbers)
+    return np.array([ax for ax in figure.axes if ax.axison and ax.get_visible()])

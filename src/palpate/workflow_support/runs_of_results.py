@@ -1,0 +1,185 @@
+"""The runs of surrogates, calibrations, diagnoses and sets of recordings, as `run_records` writes them to disk."""
+
+from __future__ import annotations
+
+import datetime
+import zlib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from palpate.configuration.study_file import Study
+from palpate.materials import law_of
+from palpate.output.results.answer import Answer, tip_in_words
+from palpate.output.results.calibration import Calibration
+from palpate.output.saved_set import SavedSet, labels
+from palpate.surrogate import PODRBF
+from palpate.workflow_support.result_files import checksum
+from palpate.workflow_support.run_records import (
+    ANSWERS,
+    ROLES,
+    Record,
+    Run,
+    began,
+    calibration_metrics,
+    errors_of_base,
+    now,
+)
+
+DIGITS = 4  # of the numbers that people compare in a table
+
+
+def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[str, Any]) -> Run:
+    """Return the run of the surrogate of a condition: the settings of study and model, and the summary of its fit."""
+    unit = summary["unit"]
+    kernel = model.get_params()["kernel"]
+    metrics = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}
+    metrics[f"surrogate_{unit}"] = metrics.pop(f"loo_rmse_{unit}")
+    ranges = {f"levels.{name}": ", ".join(f"{level:g}" for level in row) for name, row in study.levels.items()}
+    return Run(
+        f"surrogate {labels(study)[condition]} - {kernel}",
+        "surrogate",
+        {"condition": condition},
+        of_study(study) | dict(model.get_params()) | ranges,
+        metrics,
+        {f"by_point.loo_rms_{unit}": summary[f"loo_rms_{unit}"]},
+        model=f"surrogate {condition} {kernel}",
+    )
+
+
+def of_calibration(saved: SavedSet, condition_set: str, files: Sequence[str | Path]) -> Run:
+    """Return the run of the calibration of one condition set: estimates, errors, misfit, convergence."""
+    found = Calibration(saved, condition_set)
+    search = "; ".join(f"{key} {value}" for key, value in saved.study.calibration.items())
+    return Run(
+        f"calibration of {saved.name} on {condition_set} - {saved.study.surrogate['kernel']}",
+        "calibration",
+        {"recordings": saved.name, "condition_set": condition_set},
+        of_study(saved.study) | {"search": search},
+        calibration_metrics(found.content) | _worst(saved),
+        {"by_generation.best_sum": [row["best_sum"] for row in found.content["history"]]},
+        list(map(str, files)),
+        {"errors_by_condition.csv": found.errors.to_csv(index=False)},
+    )
+
+
+def of_diagnosis(content: Mapping[str, Any], study: Study, files: Sequence[str | Path]) -> list[Run]:
+    """Return the run of a diagnosis, and one for every explanation that was fitted."""
+    of, name = {"recordings": content["recordings"]}, content["recordings"]
+    tags = of | _verdict(content) | {"mlflow.note.content": content["sentence"]}
+    settings = "; ".join(f"{key} {value}" for key, value in study.diagnosis.items())
+    metrics = {"p_value": content["p_value"]} | _errors(content)
+    params = of_study(study)
+    whole = Run(
+        f"diagnosis of {name} - {content['verdict']}", "diagnosis", tags, params | {"settings": settings}, metrics
+    )
+    whole.files = list(map(str, files))
+    explanations = []
+    for row in content["tried"]:
+        title = " + ".join(row["mechanisms"]) or "base model"
+        found = {"fitted_nm": row["rmse_nm"], "log_evidence": row["log_evidence"], "probability": row["probability"]}
+        found |= row["parameters"] | row["material"]
+        tags = {**of, "mechanisms": "+".join(row["mechanisms"]) or "none"}
+        explanations.append(Run(f"explanation {title}", "explanation", tags, params, found))
+    return [whole, *explanations]
+
+
+def of_sets(record: Record, sets: Sequence[SavedSet], folder: Path) -> None:
+    """Add the run of each set of recordings, and what the execution's own run repeats of them.
+
+    Parameters
+    ----------
+    folder
+        Of the study's results, with report and figures.
+    """
+    record.runs += [_of_set(Answer(saved), folder) for saved in sets]
+    if len(record.runs) == 1:
+        (run,) = record.runs
+        record.parent = {key: getattr(run, key) for key in ("name", "tags", "params", "metrics")}
+    elif record.runs:
+        counts = Counter(run.tags["verdict"] for run in record.runs)
+        verdicts = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        name = f"{len(sets)} sets: {verdicts} - {sets[0].study.surrogate['kernel']} - {_clock()}"
+        record.parent = {"name": name, "tags": {"verdict": verdicts}, "params": of_study(sets[0].study), "metrics": {}}
+
+
+def _of_set(found: Answer, folder: Path) -> Run:
+    """Return the run of one set of recordings, with plain keys."""
+    saved, study = found.saved, found.saved.study
+    content: Mapping[str, Any] = saved.diagnosis or {"verdict": "not diagnosed", "mechanisms": []}
+    metrics = {entry["name"]: entry["estimate"] for entry in found.parameters}
+    metrics |= {effect["name"]: effect["estimate"] for effect in found.effects}
+    metrics |= _errors(content) if saved.diagnosis else errors_of_base(found.calibration.content)
+    metrics |= {"chi2_per_dof": found.calibration.content["misfit_ratio"]} | _worst(saved)
+    if saved.accepted:
+        metrics |= {"probability": saved.accepted[0]["probability"], "log_evidence": saved.accepted[0]["log_evidence"]}
+    if found.nothing_further:
+        metrics["nothing_further"] = found.nothing_further["probability"]
+    if found.discrepancy:
+        metrics["discrepancy"] = found.discrepancy["share"]
+    if found.diagnosis and found.diagnosis.inclusion:
+        metrics |= {f"inclusion.{key}": value for key, value in found.diagnosis.inclusion.items()}
+    with_set = f"{saved.name}: " if len(study.recordings) > 1 else ""
+    name = f"{with_set}{found.headline[0].lower()}{found.headline[1:]} - {study.surrogate['kernel']} - {_clock()}"
+    tags = {"recordings": saved.name} | _verdict(content) | {"mlflow.note.content": found.sentence}
+    shown = {key: float(f"{value:.{DIGITS}g}") for key, value in metrics.items()}
+    run = Run(name, ANSWERS, tags, of_study(study) | {"recordings": saved.name}, shown)
+    figures = sorted((folder / "figures").glob(f"{saved.name}_*.svg")) + sorted(
+        (folder / "figures").glob("surrogates.svg")
+    )
+    run.files = [str(file) for file in (folder / "report.html", folder / "report.json", *figures) if file.is_file()]
+    run.dataset = _dataset(saved)
+    if (start := began()) is not None:
+        run.started = start
+        run.metrics["seconds"] = round((now() - start) / 1000.0)
+    return run
+
+
+def _dataset(saved: SavedSet) -> dict[str, str]:
+    """Return name, digest and folder of the recordings of a set."""
+    folder = saved.study.recordings[saved.name]
+    sums = "".join(checksum(file) for file in sorted(Path(folder).glob("*.csv")))
+    return {"name": saved.name, "digest": f"{zlib.crc32(sums.encode()):08x}", "source": str(folder)}
+
+
+def of_study(study: Study) -> dict[str, Any]:
+    """Return by what studies are compared: law, tip, kernel, design, seed."""
+    return {
+        "law": law_of(study.model).title,
+        "kernel": study.surrogate["kernel"],
+        "shape": study.surrogate["shape"],
+        "tip": tip_in_words(study.indenter),
+        "design": f"{study.design['kind']}, {len(study.cells)} materials",
+        "kinematics": study.kinematics,
+        "seed": study.seed,
+    }
+
+
+def _worst(saved: SavedSet) -> dict[str, float]:
+    """Return the largest error of the surrogates, by unit."""
+    found: dict[str, float] = {}
+    for summary in saved.surrogates.values():
+        key = f"surrogate_{summary['unit']}"
+        found[key] = max(found.get(key, 0.0), summary[f"loo_rmse_{summary['unit']}"])
+    return found
+
+
+def _verdict(content: Mapping[str, Any]) -> dict[str, str]:
+    return {"verdict": content["verdict"], "mechanisms": "+".join(content["mechanisms"]) or "none"}
+
+
+def _errors(content: Mapping[str, Any]) -> dict[str, float]:
+    """Return the errors of a diagnosis by role, before and after, where there are any, and the noise."""
+    errors = {}
+    for role, words in ROLES.items():
+        for when, key in (("before", f"before_{words}_nm"), ("after", f"{words}_nm")):
+            if (value := content["fit"][role][f"{when}_rmse_nm"]) is not None:
+                errors[key] = value
+    return errors | {"noise_nm": content["fit"]["noise_nm"]}
+
+
+def _clock() -> str:
+    """Return the hour and minute at which the execution began, or now."""
+    start = began() or now()
+    return datetime.datetime.fromtimestamp(start / 1000).strftime("%H:%M")
