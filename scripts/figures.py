@@ -16,5 +16,5 @@ def main(snakemake):
 
 
 if "snakemake" in globals():
-    with job.logged(snakemake.log[0], snakemake.output):  # noqa: F821
+    with job.logged(snakemake.log[0], snakemake.output, snakemake.rule):  # noqa: F821
         main(snakemake)  # noqa: F821

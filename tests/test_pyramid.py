@@ -17,6 +17,7 @@ from palpate.inference.finite_elements import FiniteElements
 from palpate.inference.fitting import Fitter
 from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
+from palpate.recordings.recording_file import read_recording
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import newton_3d
@@ -52,7 +53,8 @@ def test_the_equivalent_cone_is_the_textbooks():
 def test_a_specification_becomes_a_recording(tmp_path):
     (tmp_path / "spec.yaml").write_text(yaml.safe_dump(SPEC))
     assert main(["simulate", str(tmp_path / "spec.yaml"), "-o", str(tmp_path / "curve.csv")]) == 0
-    _, load, depth = np.loadtxt(tmp_path / "curve.csv", delimiter=",", skiprows=2, unpack=True)
+    curve = read_recording(tmp_path / "curve.csv")
+    load, depth = curve.load, curve.depth
     peak = np.argmax(load)
     assert load[peak] == pytest.approx(1.0)
     assert depth[peak] == pytest.approx(berkovich.depth(1.0, 3.28, 0.34), rel=0.01)
