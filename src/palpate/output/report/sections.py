@@ -214,7 +214,7 @@ def _inclusion(found: Answer) -> list[str]:
         rows = ({"effect": MECHANISMS[key].title, "probability": percent(value)} for key, value in inclusion.items())
         caption = "Probability that an effect acts by more than the smallest effect, over all sets of effects"
         pieces.append(table(pd.DataFrame(rows), caption))
-    if further := found.diagnosis.nothing_further:
+    if (further := found.diagnosis.nothing_further) and further.get("may_cover"):
         rows = (
             {"kind of effect": key, "change [nm]": rounded(value, 2)} for key, value in further["may_cover"].items()
         )
