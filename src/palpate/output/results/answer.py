@@ -16,6 +16,7 @@ from palpate.output.rounding import interval, interval_with_unit, percent, round
 from palpate.output.saved_set import SavedSet
 from palpate.study.indenter import Indenter
 
+SETTLED = 0.95  # probability from which nothing further is open
 MOST_FACTS = 2  # that the first screen names
 WITHIN = {True: "within the tolerance of", False: "beyond the tolerance of", "undecided": "undecided, the tolerance is"}
 SHAPES = {
@@ -191,12 +192,12 @@ class Answer:
         text = f"{share} % of the depth"
         if (kind := found.get("class")) and kind not in ("none", "undetermined"):
             text += f", of the class {kind}"
-        if (within := self.diagnosis.law_within_tolerance if self.diagnosis else None) is not None:
-            text += f"; {WITHIN[within]} {100.0 * self.saved.study.diagnosis['tolerance']:g} %"
         if parts := found.get("parts"):
             worst = max(parts, key=lambda part: part["share"])
             part = "" if worst["part"] == "whole" else f"{worst['part']} "
             text += f", most {part}in the {worst['segment']} of {self.saved.labels[worst['condition']]}"
+        if (within := self.diagnosis.law_within_tolerance if self.diagnosis else None) is not None:
+            text += f"; {WITHIN[within]} {100.0 * self.saved.study.diagnosis['tolerance']:g} %"
         return text
 
     @property
@@ -212,7 +213,14 @@ class Answer:
             open_.append("whether the effect acts")
         elif self.verdict == "unexplained":
             open_.append("what the model lacks")
-        return "; ".join(open_) or "nothing that these recordings could show"
+        within, further = self.diagnosis.law_within_tolerance, self.nothing_further
+        if within is False:
+            open_.append("what the law lacks")
+        elif within == "undecided":
+            open_.append("whether the law is within the tolerance")
+        if further and further["probability"] < SETTLED:
+            open_.append("whether something further acts")
+        return "; ".join(dict.fromkeys(open_)) or "nothing that these recordings could show"
 
     def lines(self) -> list[str]:
         """Return law, verdict with effects, parameters, and error, a line each, for a terminal."""
