@@ -80,7 +80,7 @@ def test_a_preload_that_is_taken_off_again_is_told_wherever_contact_is_put():
     test = VendorTest("T", Recording(whole.time, whole.load + preload, whole.depth, "T"), marked=False)
     for contact in ("file", "auto"):
         begun = zeroed(test, contact)
-        assert begun.recording.depth.min() > -5 or any("the tip retreats by 1" in text for text in begun.warnings)
+        assert begun.recording.depth.min() > -5 or any("the tip retreats by" in text for text in begun.warnings)
 
 
 @pytest.mark.parametrize(

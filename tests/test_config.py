@@ -128,7 +128,13 @@ def test_defaults_and_order(tmp_path):
         ({"surrogate": {"kernel": "linear", "shape": 0.3}}, "surrogate.shape", "no effect on the kernel linear"),
         ({"indenter": STUDY["indenter"] | {"poisson_ratio": 0.07}}, "indenter.poisson_ratio", "add its modulus"),
         ({"source": SOURCE, "recordings": {"lab": "x"}}, "source.file", "--data PATH, snakemake --config data=PATH"),
-        ({"calibration": {"solver_error": 0.3}}, "calibration.solver_error", "0.2 or less; give a ratio"),
+        (
+            {"calibration": {"solver_error": 0.01}},
+            "calibration.solver_error",
+            "state what the law leaves by calibration.law_error",
+        ),
+        ({"calibration": {"law_error": 0.3}}, "calibration.law_error", "0.2 or less; give a ratio"),
+        ({"calibration": {"law_error": -0.1}}, "calibration.law_error", "0 or more; give a ratio"),
         ({"calibration": {"site_scatter": 5}}, "calibration.site_scatter", "0.5 or less; give a ratio"),
         (
             LABORATORY | {"laboratory": {"lab": {"parameters": TRUTH, "site_scatter": 1}}},

@@ -19,6 +19,7 @@ from palpate.diagnosis.explanations import (
     inclusion,
     log_prior,
     may_act_together,
+    simplest,
     smallest_group,
 )
 from palpate.diagnosis.policy import SearchPolicy
@@ -101,6 +102,13 @@ def test_the_group_is_the_smallest_that_holds_the_probability():
     sets = {frozenset("a"): 0.6, frozenset("b"): 0.3, frozenset("c"): 0.08, frozenset("d"): 0.02}
     assert smallest_group(sets, 0.95) == [frozenset("a"), frozenset("b"), frozenset("c")]
     assert smallest_group(sets, 0.5) == [frozenset("a")]
+
+
+def test_a_set_is_no_rival_to_a_smaller_one_that_it_contains():
+    one, both, other = frozenset({"friction"}), frozenset({"friction", "adhesion"}), frozenset({"tip_angle"})
+    assert simplest([one, both, other]) == [one, other]
+    assert simplest([both, frozenset(), other]) == [frozenset()]
+    assert simplest([both, other]) == [both, other]
 
 
 def test_an_effect_below_the_smallest_counts_as_none():

@@ -16,6 +16,7 @@ from palpate.diagnosis.explanations import (
     family_inclusion,
     inclusion,
     may_act_together,
+    simplest,
     smallest_group,
 )
 from palpate.diagnosis.search import Candidate, Search
@@ -82,7 +83,8 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     is fitted together with the material on the finite elements, and the sets that are larger by one mechanism are
     estimated anew from there, until no set is left that is not negligible beside the likeliest. Fits that come close to
     it are compared on finer meshes. The smallest group of sets that holds the probability `SearchPolicy.held` gives the
-    verdict:
+    verdict. A set that contains another one of the group is no rival to it: what more may act is told by the
+    probability that nothing further does.
 
     ``adequate``     the empty set is in the group, and the law is not off by more than the tolerance;
     ``identified``   there is one set, every family of it is as good as certain, its effects exceed the smallest one and
@@ -211,6 +213,7 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     certain = max(undecided.family_inclusion.values(), default=0.0) >= policy.certain
     if tolerated == "false" and (base.fit.errors.law is None or not certain):
         return replace(undecided, verdict="unexplained")
+    group = simplest(group)
     if frozenset() in group:
         return replace(undecided, verdict="adequate")
     verdict = "ambiguous" if len(group) > 1 else _of_one_set(search, undecided, group[0])

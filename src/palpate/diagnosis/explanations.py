@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -143,6 +143,11 @@ def smallest_group(probabilities: Mapping[Members, float], held: float) -> list[
         if sum_of >= held:
             break
     return found
+
+
+def simplest(group: Sequence[Members]) -> list[Members]:
+    """Return the sets of a group that contain no other one of it."""
+    return [members for members in group if not any(other < members for other in group)]
 
 
 def inclusion(probabilities: Mapping[Members, float]) -> dict[str, float]:

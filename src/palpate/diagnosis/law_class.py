@@ -92,7 +92,7 @@ def _structure(fit: Fit, name: str) -> Discrepancy:
     largest = float(np.mean([np.abs(curve).max() for curve in curves.values()]))
     factor = _of_clock if name == "clock" else _of_reversals
     alone = block_diag(*(largest * factor(protocol) for protocol in protocols))
-    return Discrepancy(np.empty((len(alone), 0)), alone, law.law_error)
+    return Discrepancy(np.empty((len(alone), 0)), alone, law.scale, law.law_error)
 
 
 def _of_clock(protocol: Protocol) -> np.ndarray:

@@ -22,7 +22,8 @@ from scipy.stats import chi2, false_discovery_control
 from scipy.stats import t as student
 
 from palpate.inference.estimated_noise import freedom
-from palpate.inference.explanation import Fit, orthonormal
+from palpate.inference.explanation import Fit
+from palpate.inference.orthonormal import orthonormal
 from palpate.study.prescribed_segments import by_cycle
 
 CERTAIN = 0.05  # share of false discoveries below which a misfit of a part is reported

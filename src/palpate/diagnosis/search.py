@@ -25,6 +25,7 @@ from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.last_steps import on_finer_meshes, with_finer_curves
 from palpate.inference.problem import Explanation, Problem
+from palpate.inference.starting_places import scattered
 from palpate.mechanisms import MECHANISMS
 
 LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
@@ -105,7 +106,7 @@ class Search:
         errors = (study.calibration[name] for name in ("site_scatter", "solver_error", "law_error"))
         self._fitter = Fitter(problem, *errors)
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
-        base = self._fitter.base(known or self._fitter.scattered(rng))
+        base = self._fitter.base(known or scattered(problem.material, self._fitter.policy, rng))
         if self.explains(base):
             base = on_finer_meshes(self._fitter, base)
         elif base.errors.law is None:

@@ -26,6 +26,7 @@ from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.measures import OBJECTIVES, check_indents
 from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
+from palpate.inference.starting_places import scattered
 from palpate.inference.surrogates import Predictor, Surrogates
 from palpate.surrogate.genetic import GeneticSettings
 
@@ -199,7 +200,7 @@ def base_fit(
     fit = _from_optimum(fitter, begun[0]) if problem.replicated else None
     if fit is None:
         fitter = replace(fitter, problem=brought)
-        fit = fitter.base([*begun, *fitter.scattered(rng)])
+        fit = fitter.base([*begun, *scattered(problem.material, fitter.policy, rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), refused)
         fitter = replace(fitter, problem=brought)

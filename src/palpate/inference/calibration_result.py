@@ -61,7 +61,7 @@ class CalibrationOutcome:
     misfit_ratio
         chi^2 per degree of freedom at the estimate.
     discrepancy
-        `share`, `lower` and `upper` of the standard deviation of the law's discrepancy as a share of the depth, 95 %
+        `share`, `lower` and `upper` of what the law leaves at its best parameters, as a share of the depth, 95 %
         interval; None where the law is taken to be exact.
     correlation
         Correlations of the free parameters, by name.

@@ -55,6 +55,8 @@ class Discrepancy:
         Columns of the part that histories determine, per unit of `share` [nm].
     alone : ndarray, shape (n, m')
         Columns of the part that each test has of its own.
+    scale : ndarray, shape (n,)
+        Largest depth so far [nm].
     law_error
         Median of the prior of `share` [-].
     share
@@ -65,6 +67,7 @@ class Discrepancy:
 
     common: np.ndarray
     alone: np.ndarray
+    scale: np.ndarray
     law_error: float
     share: float = 0.0
     own: float = OWN[0]
@@ -96,7 +99,7 @@ class Discrepancy:
         """
         common, alone = _correlated(tuple(protocols), sharp)
         scale = np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])
-        return cls(scale[:, None] * common, scale[:, None] * alone, law_error)
+        return cls(scale[:, None] * common, scale[:, None] * alone, scale, law_error)
 
     def sized(self, share: float, own: float) -> Discrepancy:
         """Return the same with another size."""
@@ -119,6 +122,19 @@ class Discrepancy:
         """All columns (n, m + m') [nm]."""
         return np.column_stack([self.common, self.alone])
 
+    def left_by_best(self, tangent: np.ndarray) -> np.ndarray:
+        """Return what the best parameters leave at each node (q,): root mean square as a share of the depth [-].
+
+        Parameters
+        ----------
+        tangent : ndarray, shape (n, k)
+            Slopes of the depths by the parameters [nm].
+        """
+        basis, columns = np.linalg.qr(tangent / self.scale[:, None])[0], self.columns / self.scale[:, None]
+        squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
+        shares, own = _nodes()
+        return shares * np.sqrt([self.deviations(each) ** 2 @ squares for each in own])
+
     def deviations(self, own: float) -> np.ndarray:
         """Return the standard deviation (m + m',) of each column's coefficient at a share of one."""
         return np.sqrt(np.repeat([1.0 - own, own], [self.common.shape[1], self.alone.shape[1]]))
@@ -127,12 +143,12 @@ class Discrepancy:
 @lru_cache(maxsize=32)
 def _correlated(protocols: tuple[Protocol, ...], sharp: bool) -> tuple[np.ndarray, np.ndarray]:
     """Return factors (n, m) and (n, m') of the correlation of x, and of that within each test alone."""
-    features = [_features(protocol, sharp) for protocol in protocols]
-    every = np.vstack(features)
-    return correlation_factor(_kernel(every)), block_diag(*(correlation_factor(_kernel(each)) for each in features))
+    of_tests = [features(protocol, sharp) for protocol in protocols]
+    alone = block_diag(*(correlation_factor(kernel(each)) for each in of_tests))
+    return correlation_factor(kernel(np.vstack(of_tests))), alone
 
 
-def _features(protocol: Protocol, sharp: bool) -> np.ndarray:
+def features(protocol: Protocol, sharp: bool) -> np.ndarray:
     """Return what the process depends on, (n_points, f), in units of the distances over which it forgets."""
     time = protocol.sample_time
     before = protocol.drive_at(np.outer(time, 1.0 - AGO).ravel()).reshape(len(time), -1)
@@ -143,7 +159,7 @@ def _features(protocol: Protocol, sharp: bool) -> np.ndarray:
     return np.column_stack([np.log(time) / TIMES, history / HISTORIES, lengths])
 
 
-def _kernel(features: np.ndarray) -> np.ndarray:
+def kernel(features: np.ndarray) -> np.ndarray:
     """Return the correlation (n, n) between points with these features (n, f)."""
     squares = np.sum(features**2, axis=1)
     distance = squares[:, None] + squares[None] - 2.0 * features @ features.T

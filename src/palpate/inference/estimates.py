@@ -95,9 +95,9 @@ def determined(coordinates: Coordinates, lower: np.ndarray, upper: np.ndarray) -
 
 
 def law_discrepancy(fit: Fit) -> dict[str, float] | None:
-    """Return `share`, `lower` and `upper` of the standard deviation of the law's discrepancy [-], if allowed for.
+    """Return `share`, `lower` and `upper` of what the law leaves at its best parameters [-], if that is allowed for.
 
-    Median and 95 % interval of the size in `palpate.inference.discrepancy`.
+    Median and 95 % interval of a root mean square without noise, as a share of the depth.
     """
     if fit.errors.law is None:
         return None

@@ -17,33 +17,12 @@ from palpate.inference.covariance import Errors
 from palpate.inference.discrepancy import Marginal
 from palpate.inference.forward import Forward, under_each
 from palpate.inference.least_squares import central_slopes, remainder
+from palpate.inference.orthonormal import orthonormal
 from palpate.inference.problem import Explanation, Problem
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
-VANISHES = 1e-9  # standard deviations of the noise: an effect that is none
 SAME_SIZE = 0.3  # of the logarithm of the discrepancy's size, within which weights hardly change the estimate
-DEPENDENT = 1e-10  # singular value of unit columns, below which they are linearly dependent
-
-
-def orthonormal(columns: np.ndarray, beside: np.ndarray | None = None, least: float = DEPENDENT) -> np.ndarray:
-    """Return an orthonormal basis of the part of whitened columns outside that of another one; may be empty.
-
-    Parameters
-    ----------
-    columns : ndarray, shape (n_all, m)
-        Effects, some of which may vanish or be dependent.
-    beside : ndarray, shape (n_all, k), optional
-        An orthonormal basis.
-    least
-        Singular value of what is left of unit columns, below which a direction does not count.
-    """
-    scale = np.linalg.norm(columns, axis=0)
-    left = columns[:, scale > VANISHES] / scale[scale > VANISHES]
-    if beside is not None:
-        left = left - beside @ (beside.T @ left)
-    u, s, _ = np.linalg.svd(left, full_matrices=False)
-    return u[:, s > least]
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,17 +230,24 @@ class Fit:
         return abs(np.log(own.share / others.share)) < SAME_SIZE and own.own == others.own
 
     def within(self, tolerance: float) -> float:
-        """Return the probability that the law departs from the recordings by no more than a share of the depth."""
-        marginal, density = self._sizes
-        return float(np.exp(logsumexp(density[marginal.shares <= tolerance]) - logsumexp(density)))
+        """Return the probability that the best parameters leave no more than a share of the depth, see `law_share`."""
+        if self.errors.law is None:
+            return 1.0
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        return float(np.exp(density - logsumexp(density)) @ (left <= tolerance))
 
-    def law_share(self, quantiles: Sequence[float]) -> np.ndarray:
-        """Return quantiles of the posterior of the discrepancy's standard deviation, as a share of the depth [-]."""
-        marginal, density = self._sizes
-        shares = np.unique(marginal.shares)
-        weights = np.array([np.exp(density[marginal.shares == share] - density.max()).sum() for share in shares])
+    def law_share(self, quantiles: Sequence[float] | np.ndarray) -> np.ndarray:
+        """Return quantiles of what the best parameters leave without noise, a root mean square in shares of the depth.
+
+        Each size of the law's discrepancy counts with its probability; it is zero where the law is taken to be exact.
+        """
+        if self.errors.law is None:
+            return np.zeros(len(quantiles))
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        order = np.argsort(left)
+        weights = np.exp(density - density.max())[order]
         middle = np.cumsum(weights) - 0.5 * weights
-        return np.exp(np.interp(quantiles, middle / weights.sum(), np.log(np.maximum(shares, 1e-12))))
+        return np.exp(np.interp(quantiles, middle / weights.sum(), np.log(left[order])))
 
     @cached_property
     def log_evidence(self) -> float:

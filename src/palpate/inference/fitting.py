@@ -10,12 +10,11 @@ and a diagnosis begins with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from threading import Event
 
 import numpy as np
-from scipy.stats import qmc
 
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
@@ -30,6 +29,7 @@ from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
+from palpate.inference.starting_places import places
 from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
 
 
@@ -78,7 +78,9 @@ class Fitter:
             When the forward model fails at all starts.
         """
         problem, failed = self.problem, ""
-        for place in self._places(starts):
+        cheaper, keep = problem.forward.thinned()
+        misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
+        for place in places(misfit, cheaper, starts, self.policy):
             self.problem = replace(problem, forward=problem.forward.of_record(place))
             try:
                 fit = self.fitted((), [place], problem.mean)
@@ -87,10 +89,6 @@ class Fitter:
                 continue
             return self.rest_on(fit)
         raise PalpateError(failed)
-
-    def scattered(self, rng: np.random.Generator) -> list[np.ndarray]:
-        """Return places (k,) of the ranges of the base model at which a search may begin."""
-        return list(qmc.Sobol(self.problem.material, seed=rng).random(self.policy.scattered))
 
     def fitted(
         self,
@@ -251,21 +249,6 @@ class Fitter:
     def use_residual_as_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) [nm] for noise where at most half of the conditions are repeated."""
         self._residual_as_noise, self._noise = residual, {}
-
-    def _places(self, starts: Sequence[np.ndarray]) -> Iterator[np.ndarray]:
-        """Yield coordinates (k,) at which to begin with the model of record, that of least expected misfit first."""
-        if len(starts) == 1:
-            yield starts[0]
-        way = self._followed(starts)
-        yield from (way.u, *reversed(way.path), *starts)
-
-    def _followed(self, starts: Sequence[np.ndarray]) -> Descent:
-        """Return where searches with few samples lead from the best of some coordinates (k,)."""
-        problem, policy = self.problem, self.policy
-        cheaper, keep = problem.forward.thinned()
-        misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
-        places = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.base_searches]
-        return descend(misfit, cheaper, places, Until(policy.base_iterations, policy.first_tolerance))
 
     def _searched(
         self,

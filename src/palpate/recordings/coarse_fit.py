@@ -8,6 +8,7 @@ from palpate.recordings.blocks import Blocks
 from palpate.recordings.contact_law import LOG_PRIOR, loads_of_laws
 
 FEWEST_IN_AIR = 6  # points
+LATER = 0.03  # of the way, chosen: contacts on trial lie half as far apart
 MUCH_WORSE, WELL = 2.0, 0.003  # ratio of mean squares; share of the load's range within which a law alone fits well
 BORNE = 0.35  # of the load's range, chosen: no baseline curves by so much
 MOST_OF = 0.8  # of the way to a rough contact, chosen: where it is examined, short of an event at its end
@@ -24,7 +25,7 @@ def coarse(time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
         As for `palpate.recordings.contact_search.Loading`; load and depth may have any unit.
     """
     blocks = Blocks.even(200, time, depth, load)
-    end, start = float(blocks.depth.max()), float(blocks.depth.min())
+    end, start = float(blocks.depth.max()), float(depth.min())
     contacts = np.unique([*np.linspace(start, end, 60), *blocks.depth[::3]])
     contacts = contacts[contacts < start + 0.97 * (end - start)]
     laws = loads_of_laws(blocks.depth, contacts, end).reshape(len(blocks.load), -1)
@@ -45,7 +46,8 @@ def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool
     be air bears much of the load, and obeys a law from its first point on: a crack or a pop-in is no contact.
     """
     contact, alone = coarse(time, load, depth, approach=False)
-    if np.sum(depth[: len(depth) // 2] < contact) >= FEWEST_IN_AIR:
+    later = contact - depth[0] > LATER * np.ptp(depth)
+    if later and np.sum(depth[: len(depth) // 2] < contact) >= FEWEST_IN_AIR:
         begins = True
     else:
         contact, beside = coarse(time, load, depth, approach=True)

@@ -303,7 +303,10 @@ def begun(recording: Recording, point: ContactPoint, by: str) -> Recording:
         )
     )  # fmt: skip
     stiffness = None if recording.stiffness is None else np.append(np.nan, recording.stiffness[later])
-    notes = (*recording.notes, f"contact {by}: {_place(point)}, where the load read {point.load:.3g} mN: subtracted")
+    notes = (
+        *recording.notes,
+        f"contact {by}: {_place(point)}, where the load read {point.load:.3g} mN, which is subtracted",
+    )
     notes += (interval_note(point),) if by == FOUND else ()
     return replace(recording, time=time, load=load, depth=depth, notes=notes, stiffness=stiffness)
 
