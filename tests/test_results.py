@@ -56,8 +56,17 @@ def test_what_a_file_lacks_is_left_out_and_what_it_holds_is_shown(tmp_path):
     part = {"condition": "A", "cycle": 1, "segment": "hold", "part": "late", "share": 0.02}
     more = {
         "discrepancy": {"share": 0.012, "lower": 0.008, "upper": 0.017, "class": "clock", "parts": [part]},
-        "nothing_further": {"probability": 0.83, "hidden": []},
-        "model_free": [{"fact": "drift_rate", "estimate": 0.11, "lower": 0.10, "upper": 0.12, "unit": "nm/s"}],
+        "nothing_further": {"probability": 0.83, "hidden": [{"mechanism": "friction", "probability": 0.12}]},
+        "model_free": [
+            {
+                "fact": "drift_rate",
+                "estimate": 0.11,
+                "lower": 0.10,
+                "upper": 0.12,
+                "unit": "nm/s",
+                "suggests": ["thermal_drift"],
+            }
+        ],
         "inclusion": {"thermal_drift": 0.97},
         "discriminating_test": {"test": "a hold of 100 s", "expected_power": 0.93, "separates": []},
     }
@@ -66,8 +75,8 @@ def test_what_a_file_lacks_is_left_out_and_what_it_holds_is_shown(tmp_path):
     assert facts["Discrepancy of the law"].startswith(
         "1.20 (0.80 to 1.70) % of the depth, of the class clock, most late in"
     )
-    assert facts["Nothing further acts"] == "with a probability of 83 %"
-    assert facts["Without a model"] == "drift rate 0.110 nm/s (0.100 to 0.120)"
+    assert facts["Nothing further acts"] == "with a probability of 83 %; may act: friction 12 %"
+    assert facts["Without a model"] == "drift rate 0.110 nm/s (0.100 to 0.120) (thermal drift)"
     assert facts["Test that would settle it"] == "a hold of 100 s (expected power 93 %)"
     assert answer.effects[0]["probability"] == 0.97
 

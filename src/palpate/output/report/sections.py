@@ -167,7 +167,7 @@ def _explanations(found: Answer, picture: Picture) -> list[str]:
 
 def _identifiability(found: Answer) -> list[str]:
     assert found.diagnosis
-    content, pieces = found.diagnosis.content, []
+    content, pieces = found.diagnosis.content, _inclusion(found)
     if joint := content["joint_intervals"]:
         alone = {effect["name"]: interval_of(effect) for effect in found.effects}
         rows = (
@@ -203,6 +203,23 @@ def _identifiability(found: Answer) -> list[str]:
         ]
     if limits := content["limits"]:
         pieces += ["<h3>Limits of these recordings</h3>", *map(paragraph, limits)]
+    return pieces
+
+
+def _inclusion(found: Answer) -> list[str]:
+    """Return how probable it is that each effect acts, and what one that does not show may change."""
+    assert found.diagnosis
+    pieces = []
+    if inclusion := found.diagnosis.inclusion:
+        rows = ({"effect": MECHANISMS[key].title, "probability": percent(value)} for key, value in inclusion.items())
+        caption = "Probability that an effect acts by more than the smallest effect, over all sets of effects"
+        pieces.append(table(pd.DataFrame(rows), caption))
+    if (further := found.diagnosis.nothing_further) and further.get("may_cover"):
+        rows = (
+            {"kind of effect": key, "change [nm]": rounded(value, 2)} for key, value in further["may_cover"].items()
+        )
+        caption = "Largest change of a curve by an effect of each kind that the recordings do not exclude at 95 %"
+        pieces.append(table(pd.DataFrame(rows), caption))
     return pieces
 
 

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 from palpate.inference.calibration_result import rmse
 from palpate.materials import law_of
+from palpate.mechanisms import MECHANISMS
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis, effect_sentence, quantity_in_words
 from palpate.output.rounding import interval, interval_with_unit, percent, rounded
 from palpate.output.saved_set import SavedSet
 from palpate.study.indenter import Indenter
 
+SETTLED = 0.95  # probability from which nothing further is open
+MOST_FACTS = 2  # that the first screen names
+WITHIN = {True: "within the tolerance of", False: "beyond the tolerance of", "undecided": "undecided, the tolerance is"}
 SHAPES = {
     "cone": "cone",
     "sphere": "sphere",
@@ -154,11 +159,11 @@ class Answer:
         """
         rows = [(f"Error of the {self._tests_of_error}", self._error)]
         if self.diagnosis and (facts := self.diagnosis.model_free):
-            rows.append(("Without a model", "; ".join(map(_fact, facts))))
+            rows.append(("Without a model", _without_model(facts)))
         if (found := self.discrepancy) is not None:
             rows.append(("Discrepancy of the law", self._discrepancy(found)))
         if (further := self.nothing_further) is not None:
-            rows.append(("Nothing further acts", f"with a probability of {percent(further['probability'])}"))
+            rows.append(("Nothing further acts", _further(further)))
         if (test := self.next_test) is not None:
             power = f"expected power {percent(test['expected_power'])}"
             rows.append(("Test that would settle it", f"{test['test']} ({power})"))
@@ -191,6 +196,8 @@ class Answer:
             worst = max(parts, key=lambda part: part["share"])
             part = "" if worst["part"] == "whole" else f"{worst['part']} "
             text += f", most {part}in the {worst['segment']} of {self.saved.labels[worst['condition']]}"
+        if (within := self.diagnosis.law_within_tolerance if self.diagnosis else None) is not None:
+            text += f"; {WITHIN[within]} {100.0 * self.saved.study.diagnosis['tolerance']:g} %"
         return text
 
     @property
@@ -206,7 +213,14 @@ class Answer:
             open_.append("whether the effect acts")
         elif self.verdict == "unexplained":
             open_.append("what the model lacks")
-        return "; ".join(open_) or "nothing that these recordings could show"
+        within, further = self.diagnosis.law_within_tolerance, self.nothing_further
+        if within is False:
+            open_.append("what the law lacks")
+        elif within == "undecided":
+            open_.append("whether the law is within the tolerance")
+        if further and further["probability"] < SETTLED:
+            open_.append("whether something further acts")
+        return "; ".join(dict.fromkeys(open_)) or "nothing that these recordings could show"
 
     def lines(self) -> list[str]:
         """Return law, verdict with effects, parameters, and error, a line each, for a terminal."""
@@ -243,6 +257,22 @@ class Answer:
             "sentence": self.sentence,
             "lines": self.lines(),
         }
+
+
+def _without_model(facts: Sequence[Mapping[str, Any]]) -> str:
+    """Return the facts that suggest an effect, with the effects; else that none does."""
+    telling = [found for found in facts if found["suggests"]]
+    texts = (f"{_fact(found)} ({', '.join(MECHANISMS[key].title for key in found['suggests'])})" for found in telling)
+    more = f"; {len(telling) - MOST_FACTS} more" if len(telling) > MOST_FACTS else ""
+    return "; ".join(islice(texts, MOST_FACTS)) + more or f"none of {len(facts)} facts suggests an effect"
+
+
+def _further(found: Mapping[str, Any]) -> str:
+    """Return how probable it is that nothing further acts, and what is likeliest to act unseen."""
+    hidden = [f"{MECHANISMS[each['mechanism']].title} {percent(each['probability'])}" for each in found["hidden"]]
+    return f"with a probability of {percent(found['probability'])}" + (
+        f"; may act: {', '.join(hidden)}" if hidden else ""
+    )
 
 
 def _fact(found: Mapping[str, Any]) -> str:
