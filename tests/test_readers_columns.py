@@ -301,7 +301,7 @@ def test_unmarked_utf16_and_what_pads_the_end_are_read(tmp_path, encoding, end):
 @pytest.mark.parametrize(
     ("depth", "load", "told"),
     [
-        (500 + 7 * TIME, TIME, "begins at a depth of 500 nm, not at contact"),
+        (500 + 7 * TIME, TIME, "the depth is counted from where the test begins, 500 nm of the file"),
         (30 + 7 * TIME, 0.2 + TIME, None),  # sampled from a small load on
         (7 * TIME, TIME, None),
     ],

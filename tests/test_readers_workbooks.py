@@ -302,14 +302,14 @@ NUMBERED = {"time": "1", "load": "2", "depth": "3"}
         (
             [["Time (s)", "Force (N)", "Depth (nm)"], *GOOD[1:]],
             NAMED,
-            "has no column Load (mN); read it in a call of its",
+            "has no column Load (mN); if it is a test, read it in a call of its",
         ),
         (
             [["Time (s)", "Force (N)", "Depth (um)"], *GOOD[1:]],
             NAMED,
             "by its own names (Time (s), Force (N), Depth (um",
         ),
-        ([["Time (s)", "Force (N)", "Path (um)"], *GOOD[1:]], NAMED, "has no columns Load (mN), Depth (nm); read it"),
+        ([["Time (s)", "Force (N)", "Path (um)"], *GOOD[1:]], NAMED, "has no columns Load (mN), Depth (nm); i"),
         ([], NAMED, None),
         ([["This workbook holds"], ["two tests", "of glass"]], NAMED, None),
         ([["operator", "A. Smith"], ["a", "b", "c"]], NUMBERED, None),

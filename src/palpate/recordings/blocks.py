@@ -30,7 +30,7 @@ class Blocks:
 
     @classmethod
     def of(cls, edges: np.ndarray, time: np.ndarray, depth: np.ndarray, load: np.ndarray) -> Blocks:
-        """Average channels (n,) between the indices `edges` (b + 1,), from 0 to the number of points that count."""
+        """Average time, depth and load (n,) between the indices `edges` (b + 1,), from 0 to the number that counts."""
         count = np.diff(edges)
         clock, way, force = (np.add.reduceat(c[: edges[-1]], edges[:-1]) / count for c in (time, depth, load))
         between = 0.5 * (time[:-1] + time[1:])[edges[1:-1] - 1]
@@ -40,7 +40,7 @@ class Blocks:
 
     @classmethod
     def even(cls, most: int, time: np.ndarray, depth: np.ndarray, load: np.ndarray) -> Blocks:
-        """Average channels (n,) over at most so many blocks of equally many points."""
+        """Average time, depth and load (n,) over at most so many blocks of equally many points (`most`)."""
         edges = np.unique(np.linspace(0, len(time), min(len(time), most) + 1).round().astype(int))
         return cls.of(edges, time, depth, load)
 

@@ -97,7 +97,7 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
     if air is None:
         if rested:
             moving = replace(moving, time=moving.time - moving.time[0])
-        moving, counted = (moving, ()) if test.marked else _counted_from_the_start(moving)
+        moving, counted = (moving, ()) if test.marked else _counted_from_the_start(moving, _level(r.load, begin))
         messages = (
             *rested,
             *counted,
@@ -249,14 +249,15 @@ def _off_zero(recording: Recording) -> tuple[str, ...]:
     return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact ({FINDS})",)
 
 
-def _counted_from_the_start(r: Recording) -> tuple[Recording, tuple[str, ...]]:
+def _counted_from_the_start(r: Recording, level: float) -> tuple[Recording, tuple[str, ...]]:
     """Return a test of a file without a mark, its depth zero where it begins without load, and a message on that.
 
-    Such a file counts its depth from elsewhere, as from where the load reaches a preload.
+    Such a file counts its depth from elsewhere, as from where the load reaches a preload. Without load it reads the
+    `level` [mN].
     """
     first, largest = float(r.depth[0]), float(np.ptp(r.depth))
     clear = max(CLEAR * noise_of(r.depth), COUNTED * largest)
-    loaded = abs(r.load[0]) > max(CLEAR * noise_of(r.load), BARELY_LOADED * float(np.ptp(r.load)))
+    loaded = abs(r.load[0] - level) > max(CLEAR * noise_of(r.load), BARELY_LOADED * float(np.ptp(r.load)))
     if loaded or abs(first) <= clear:
         return r, ()
     said = f"the depth is counted from where the test begins, {first:.4g} nm of the file ({FINDS})"
@@ -284,9 +285,14 @@ def begins_off_contact(recording: Recording) -> bool:
     return bool(depth[0] < -far or (depth[0] > far and load[0] <= BARELY_LOADED * load[peak]))
 
 
+def _level(load: np.ndarray, begin: int) -> float:
+    """Return what the load (n,) reads at the end of an approach that ends at point `begin`; zero without one [mN]."""
+    return float(np.median(load[max(0, begin - LAST_FREE + 1) : begin + 1])) if begin else 0.0
+
+
 def _loaded_before(load: np.ndarray, begin: int) -> tuple[str, ...]:
     """Return a warning where the last points of an approach that ends at point `begin` read a load."""
-    level = float(np.median(load[max(0, begin - LAST_FREE + 1) : begin + 1]))
+    level = _level(load, begin)
     noise = CLEAR * noise_of(load) / LAST_FREE**0.5
     if not begin or abs(level) <= max(BARELY_LOADED * load.max(), noise):
         return ()
