@@ -135,13 +135,16 @@ def test_the_error_of_grid_convergence_is_one_factor_on_all_curves():
     assert off @ np.linalg.solve(covariance + 1e-6 * np.eye(len(off)), off) == pytest.approx(4.0, rel=1e-3)
 
 
-def test_the_evidence_to_first_order_is_about_that_of_the_fit():
+@pytest.mark.parametrize("effect", [lambda c, r: 0.0, lambda c, r: 0.25 * c.protocol.sample_time])
+def test_the_evidence_to_first_order_orders_the_effects_as_their_fits_do(effect):
     """A drift, a frame and an offset add to the depth in proportion to their amplitudes."""
-    task = problem(recordings(np.random.default_rng(2), lambda c, r: 0.25 * c.protocol.sample_time))
-    search = search_of(task)
+    search = search_of(problem(recordings(np.random.default_rng(2), effect)))
+    base = search.base.fit
+    first = {key: search.log_evidence(base, key) - base.log_evidence for key in RECORD_ONLY}
+    fitted_ = {key: search.joined(base, key).log_evidence - base.log_evidence for key in RECORD_ONLY}
+    assert max(first, key=first.get) == max(fitted_, key=fitted_.get) or max(fitted_.values()) < 0.0
     for key in RECORD_ONLY:
-        fit = search.joined(search.base.fit, key)
-        assert search.log_evidence(search.base.fit, key) == pytest.approx(fit.log_evidence, abs=8.0)
+        assert first[key] == pytest.approx(fitted_[key], abs=4.0 + 0.15 * abs(fitted_[key]))
 
 
 def test_noise_is_recovered_from_replicates():

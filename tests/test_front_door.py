@@ -281,11 +281,11 @@ def test_a_diagnosis_shows_what_is_missing(fit, found):
 
 def test_a_diagnosis_without_candidates_still_shows_itself(fit):
     alone = diagnose(fit.study, calibration=fit)
-    assert (alone.verdict, alone.content["recordings"]) == ("adequate", fit.tests.name)
+    assert (alone.verdict, alone.content["recordings"]) == ("adequate", fit.saved.name)
     assert alone.tried["accepted"].to_list() == [True]
     assert list(alone.to_frame()["parameter"]) == ["youngs_modulus"] and alone.candidates.empty
     assert alone.parameters["youngs_modulus"]["estimate"] == fit.values["youngs_modulus"]
-    assert "no further effect is claimed" in alone.summary() and alone._repr_html_() and len(alone.plot())
+    assert "no effect of the library is needed" in alone.summary() and alone._repr_html_() and len(alone.plot())
 
 
 def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, results, capsys, monkeypatch):
@@ -297,7 +297,7 @@ def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, resul
 
     monkeypatch.setattr("palpate.workflow_support.steps.brought_to_one_load", failing)
     assert len(list((results / "store").rglob("*.npz"))) == 4
-    again = calibrate(fit.study, fit.tests.by_condition, results=results, report=said.append)
+    again = calibrate(fit.study, fit.tests, results=results, report=said.append)
     assert any("4 snapshots, 0 computed" in line for line in said)
     assert again.values == fit.values and "not brought to one load" in said
     assert capsys.readouterr() == ("", "")

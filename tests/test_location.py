@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from palpate.inference.prescribed_segments import by_cycle, cycles
+from palpate.study.prescribed_segments import by_cycle, cycles
 from test_diagnosis import fitted, problem, recordings
 
 from palpate.diagnosis.locate import CERTAIN, Residuals
