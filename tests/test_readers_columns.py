@@ -118,7 +118,7 @@ def test_names_of_words_one_blank_apart_stand_above_their_columns(tmp_path, name
 def test_blanks_that_break_no_line_part_columns_where_no_others_do(tmp_path, blank):
     lines = ["t P h", *(f"{k} {k / 2} {100 + k}" for k in range(5))]
     (tmp_path / "x.txt").write_text("\n".join(lines).replace(" ", blank), encoding="utf-8")
-    (test,) = read_vendor_file(tmp_path / "x.txt", columns=SHORT)
+    (test,) = read_vendor_file(tmp_path / "x.txt", contact="none", columns=SHORT)
     assert test.recording.depth == pytest.approx(100 + np.arange(5))
 
 
