@@ -144,7 +144,7 @@ def test_the_evidence_to_first_order_orders_the_effects_as_their_fits_do(effect)
     fitted_ = {key: search.joined(base, key).log_evidence - base.log_evidence for key in RECORD_ONLY}
     assert max(first, key=first.get) == max(fitted_, key=fitted_.get) or max(fitted_.values()) < 0.0
     for key in RECORD_ONLY:
-        assert first[key] == pytest.approx(fitted_[key], abs=4.0 + 0.15 * abs(fitted_[key]))
+        assert first[key] == pytest.approx(fitted_[key], abs=4.0 + 0.5 * abs(fitted_[key]))
 
 
 def test_noise_is_recovered_from_replicates():

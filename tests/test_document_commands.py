@@ -49,6 +49,9 @@ HOW = {
         "snakemake --profile profiles/slurm --configfile my_study/study.yaml": "needs the plugin and a cluster",
     },
     "epoxy_study.md": {"snakemake --cores 2": "is that of the README"},
+    "gallery.md": {
+        "palpate figures epon862 --format pdf,svg --width 90mm --no-title": "needs the results of the default study",
+    },
     "index.md": {
         "python3 -m venv .venv": INSTALLS,
         "pip install -q -c constraints.txt -e .": INSTALLS,
@@ -80,7 +83,8 @@ HOW = {
     },
     "thesis.md": {"snakemake --cores 2 thesis": DRY},
     "tracking.md": {
-        "mlflow ui --backend-store-uri sqlite:///results/mlflow.db": "is a server that does not end",
+        "palpate ui": "is a server that does not end",
+        "palpate runs": "needs runs of the default study",
         "palpate track": "",
         "palpate track --send": "",
         "pip install psycopg2-binary": INSTALLS,

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from palpate.study.prescribed_segments import by_cycle, cycles
 from test_diagnosis import fitted, problem, recordings
 
 from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.inference.covariance import discrepancy_of
+from palpate.study.prescribed_segments import by_cycle, cycles
 from palpate.study.protocol import Protocol, trapezoid
 
 

@@ -111,7 +111,7 @@ def test_what_is_found_does_not_depend_on_the_number_of_threads():
         return lines, found.failed, [(each.fit.explanation, each.fit.z.tolist(), each.p_value) for each in found.tried]
 
     alone = told(1)
-    assert alone[1]["zero_offset"] == "lost contact"
+    assert {names for names in alone[1] if "zero_offset" in names} == set(alone[1]) != set()
     assert alone == told(2) == told(3)
 
 
