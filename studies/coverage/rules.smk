@@ -57,9 +57,7 @@ rule coverage_fits:
 
 rule coverage_summary:
     input:
-        truths=expand(
-            f"{COVERAGE}/sealed/{{group}}.json", group=range(COUNT // GROUP)
-        ),
+        truths=expand(f"{COVERAGE}/sealed/{{group}}.json", group=range(COUNT // GROUP)),
         fits=expand(f"{COVERAGE}/fits/{{group}}.json", group=range(COUNT // GROUP)),
     output:
         summary=f"{COVERAGE}/summary.csv",
