@@ -32,7 +32,7 @@ def diagnosed(task, keys=RECORD_ONLY):
 
 def test_recordings_without_an_effect_are_adequate():
     found = diagnosed(problem(recordings(np.random.default_rng(11))))
-    assert (found.verdict, found.accepted, found.law_within_tolerance) == ("adequate", [], "true")
+    assert (found.verdict, found.accepted, found.law_within_tolerance) == ("adequate", [], True)
     assert found.all_sets[frozenset()] > 0.5
 
 

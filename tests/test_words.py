@@ -27,7 +27,7 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
     before, after = held_out
     return {
         "verdict": verdict,
-        "law_within_tolerance": "false" if verdict == "unexplained" else "true",
+        "law_within_tolerance": verdict != "unexplained",
         "p_value": 0.001,
         "pattern": None,
         "discrepancy": {"share": 0.0012, "lower": 0.0005, "upper": 0.003, "class": "scaling"},

@@ -39,7 +39,7 @@ class DiagnosisOutcome:
     verdict
         ``adequate``, ``identified``, ``suspected``, ``ambiguous`` or ``unexplained``.
     law_within_tolerance
-        ``true``, ``false`` or ``undecided``.
+        True, False or ``undecided``.
     base
         The base model.
     accepted
@@ -57,7 +57,7 @@ class DiagnosisOutcome:
     """
 
     verdict: str
-    law_within_tolerance: str
+    law_within_tolerance: bool | str
     base: Candidate
     accepted: list[Candidate]
     probabilities: list[float]
@@ -208,10 +208,10 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     tried = [found.fitted[members] for members in sorted(found.fitted, key=lambda each: -found.log_weight(each))]
     within = [found.fitted[m].within(settings["tolerance"], settings["significance"]) for m in group]
     whole = float(np.average(within, weights=[probabilities[m] for m in group]))
-    tolerated = "false" if whole < 1.0 - LIKELIER else "true" if whole >= SURE else "undecided"
+    tolerated = False if whole < 1.0 - LIKELIER else True if whole >= SURE else "undecided"
     undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, tried, failed)
     certain = max(undecided.family_inclusion.values(), default=0.0) >= policy.certain
-    if tolerated == "false" and (base.fit.errors.law is None or not certain):
+    if tolerated is False and (base.fit.errors.law is None or not certain):
         return replace(undecided, verdict="unexplained")
     group = simplest(group)
     if frozenset() in group:

@@ -56,8 +56,8 @@ def _law(content: Mapping[str, Any]) -> str:
     size = f"{100 * found['share']:.2g} % of the depth ({100 * found['lower']:.2g} to {100 * found['upper']:.2g})"
     alike = f", {CLASS_IN_WORDS[found['class']]}" if found["class"] in CLASS_IN_WORDS else ""
     within = {
-        "true": "",
-        "false": "; that is more than the tolerance of the study",
+        True: "",
+        False: "; that is more than the tolerance of the study",
         "undecided": "; whether that is within the tolerance of the study is undecided",
     }[content["law_within_tolerance"]]
     return f" What is left departs from the law by {size}{alike}{within}."

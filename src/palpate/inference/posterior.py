@@ -151,11 +151,12 @@ class _Density:
         return cls(curvature, flat.products[counts] / ratio, (flat.log_prior - flat.half_log_det)[counts], kept)
 
     def first_order(self) -> _Mixture:
-        """Return the posterior at each size to first order, with wider tails."""
+        """Return the posterior at each size to first order, with wider tails, about places within the limits."""
         fit, products = self.curvature.fit, self.sizes.products
         precision = products[:, 1:, 1:] + np.eye(len(fit.z)) / PRIOR_VARIANCE
         scales = np.linalg.inv(precision)
-        centres = fit.z + np.einsum("qij,qj->qi", scales, products[:, 1:, 0])
+        moved = fit.z + np.einsum("qij,qj->qi", scales, products[:, 1:, 0])
+        centres = np.clip(moved, *fit.coordinates.limits)
         likely = self.sizes.log_prior + self.sizes.log_densities(PRIOR_VARIANCE)
         return _Mixture(centres, scales, np.exp(likely - logsumexp(likely)))
 

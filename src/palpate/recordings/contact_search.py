@@ -84,9 +84,9 @@ class Loading:
 
     def blocks(self, low: float, high: float, end: float) -> Blocks:
         """Return blocks up to the depth `end`, finer between the depths `low` and `high`."""
-        size = int(np.flatnonzero(self.depth <= end)[-1]) + 1
+        size = max(_last_up_to(self.depth, end), 1)
         first = int(np.argmax(self.depth >= low))
-        last = int(np.flatnonzero(self.depth <= high)[-1]) + 1
+        last = _last_up_to(self.depth, high)
         last = min(max(last + (last - first) // 2 + 3, first + 8), size)
         way = np.maximum.accumulate(self.depth[last:size])
         deeper = high + (way[-1] - high) * np.linspace(0, 1, BEYOND) ** 2 if len(way) else np.empty(0)
@@ -122,6 +122,12 @@ class Learnt:
     end: float
 
 
+def _last_up_to(depth: np.ndarray, end: float) -> int:
+    """Return the number of points (n,) up to the last one that lies no deeper than `end`."""
+    found = np.flatnonzero(depth <= end)
+    return int(found[-1]) + 1 if len(found) else 0
+
+
 def searched(loading: Loading) -> Found:
     """Search the contact of a loading."""
     start = float(loading.depth[0])
@@ -129,7 +135,7 @@ def searched(loading: Loading) -> Found:
     ends = [_checked_air(loading, start + share * (rough - start)) for share in AIR_FIRST]
     low = 0.5 * (start + min(ends)) if loading.approach else start - 0.5 * float(np.ptp(loading.depth))
     airs = [_grown(loading, end, low) for end in (ends if loading.approach else ends[:1])]
-    grid = np.unique(np.concatenate([_whole_range(low, each) for each in airs]))
+    grid = np.unique(np.concatenate([np.array([start]), *(_whole_range(low, each) for each in airs)]))
     for _ in range(1 + ZOOMS):
         weight, blocks, base = _posterior(loading, airs, grid)
         found = _interval(grid, weight)
@@ -199,6 +205,8 @@ def _posterior(loading: Loading, airs: Sequence[Learnt], grid: np.ndarray) -> tu
             evidence = np.array([np.logaddexp.reduce(part, axis=None) for part in parts])
             weights = np.exp(evidence - evidence.max())
         weight = weighed(parts, list(weights / weights.sum())).sum(axis=(1, 2)) * _widths(grid)
+        if not weight.sum() > 0.0:  # nothing rises anywhere: each place is as likely
+            weight = np.ones(len(grid))
         total += weight / weight.sum() / len(airs)
         shown.append((blocks, base))
     return total, *shown[0]
