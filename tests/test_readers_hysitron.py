@@ -38,7 +38,7 @@ def read(tmp_path, content, encoding="latin-1", **options):
 def test_the_first_point_is_the_last_without_load(tmp_path):
     recording = read(tmp_path, text()).recording
     assert (len(recording), recording.time[0], recording.load[0]) == (301, 0, pytest.approx(-0.002))
-    assert recording.depth == pytest.approx(DEPTH[100:])
+    assert recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100])
 
 
 def test_the_sensor_s_volts_under_an_older_heading_give_the_raw_depth(tmp_path):
@@ -61,8 +61,8 @@ def test_blank_lines_between_segments_are_no_points(tmp_path):
 @pytest.mark.parametrize("column", [0, 1, 2])
 def test_a_cell_without_a_number_costs_its_row_and_is_named(tmp_path, column, cell):
     test = read(tmp_path, text(changes=[(250, column, cell)]))
-    assert test.warnings == ("1 of 401 points left out: no number (point 251)",)
-    assert test.recording.depth == pytest.approx(np.delete(DEPTH, 250)[100:])
+    assert test.warnings[0] == "1 of 401 points left out: no number (point 251)"
+    assert test.recording.depth == pytest.approx(np.delete(DEPTH, 250)[100:] - DEPTH[100])
 
 
 def test_a_blank_first_row_is_no_damage(tmp_path):
@@ -83,7 +83,7 @@ def test_a_blank_first_row_is_no_damage(tmp_path):
 def test_headings_are_understood_as_written(tmp_path, headings, scales, encoding, count):
     recording = read(tmp_path, text(headings, scales, count), encoding).recording
     assert recording.load == pytest.approx(LOAD[100:], abs=1e-5)
-    assert recording.depth == pytest.approx(DEPTH[100:], abs=1e-2)
+    assert recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100], abs=1e-2)
     assert recording.time == pytest.approx(TIME[100:] - 5, abs=1e-5)
 
 
@@ -155,7 +155,7 @@ def test_the_start_of_a_file_that_begins_under_a_rising_load_is_kept(before, noi
 def test_a_load_that_is_not_zero_before_contact_is_told(tmp_path, monkeypatch, offset, words):
     monkeypatch.setitem(globals(), "LOAD", LOAD + offset)
     test = read(tmp_path, text())
-    assert test.recording.depth == pytest.approx(DEPTH[100:])
+    assert test.recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100])
     assert [warning.partition(" (")[0] for warning in test.warnings] == words
 
 
@@ -168,7 +168,7 @@ def test_a_sign_that_parts_thousands_is_no_decimal_sign(tmp_path, written, comma
     swapped = [line.translate(str.maketrans(",.", ".,")) if comma else line for line in body]
     recording = read(tmp_path, "\n".join([*lines[:4], *swapped])).recording
     assert recording.load == pytest.approx(LOAD[100:], abs=1e-6)
-    assert recording.depth == pytest.approx(DEPTH[100:], abs=1e-3)
+    assert recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100], abs=1e-3)
 
 
 @pytest.mark.parametrize(("cell", "load"), [("1,200", 1.2), ("5,304.5", 5.3045)])
@@ -213,7 +213,7 @@ def test_a_header_s_decimal_comma_and_units_are_heeded(tmp_path, changes, encodi
     if encoding == "latin-1":
         changes = {key: value.replace("μ", "u") for key, value in changes.items()}
     vendor, raw = (read(tmp_path, hld(**changes), encoding, corrections=chosen).recording for chosen in (None, RAW))
-    assert vendor.depth == pytest.approx(DEPTH[100:], abs=1e-5)
+    assert vendor.depth == pytest.approx(DEPTH[100:] - DEPTH[100], abs=1e-5)
     assert raw.depth - vendor.depth == pytest.approx(0.2 * raw.time + 4 * (raw.load - raw.load[0]), abs=1e-5)
 
 
