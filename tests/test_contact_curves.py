@@ -1,13 +1,11 @@
 """Intervals of contact hold the truth as often as they say, on curves with every kind of baseline."""
 
 import numpy as np
-import pytest
 from contact_curves import SEEDS, draw, found_in, holds
 
 CURVES = 40
 
 
-@pytest.mark.slow
 def test_intervals_hold_the_contact():
     """Of 40 intervals at 95 %, fewer than 34 hold the truth in one sample of a hundred."""
     assert sum(holds(*found) for found in found_in(SEEDS["development"], CURVES)) >= 34

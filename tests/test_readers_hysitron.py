@@ -156,7 +156,9 @@ def test_a_load_that_is_not_zero_before_contact_is_told(tmp_path, monkeypatch, o
     monkeypatch.setitem(globals(), "LOAD", LOAD + offset)
     test = read(tmp_path, text())
     assert test.recording.depth == pytest.approx(DEPTH[100:] - DEPTH[100])
-    assert [warning.partition(" (")[0] for warning in test.warnings] == words
+    said = [warning.partition(" (")[0] for warning in test.warnings]
+    assert said.pop(0) == "the depth is counted from where the test begins, 10 nm of the file"
+    assert said == words
 
 
 @pytest.mark.parametrize("written", ["{:,.4f}", "{:,.3f}", "{:.3f}"])
@@ -213,7 +215,7 @@ def test_a_header_s_decimal_comma_and_units_are_heeded(tmp_path, changes, encodi
     if encoding == "latin-1":
         changes = {key: value.replace("μ", "u") for key, value in changes.items()}
     vendor, raw = (read(tmp_path, hld(**changes), encoding, corrections=chosen).recording for chosen in (None, RAW))
-    assert vendor.depth == pytest.approx(DEPTH[100:] - DEPTH[100], abs=1e-5)
+    assert vendor.depth == pytest.approx(DEPTH[100:], abs=1e-5)
     assert raw.depth - vendor.depth == pytest.approx(0.2 * raw.time + 4 * (raw.load - raw.load[0]), abs=1e-5)
 
 

@@ -93,7 +93,7 @@ def test_a_rest_behind_a_vendor_s_mark_is_left_out(tmp_path):
     body = [[mark, time, 0.0 if time < 20 else load, max(depth, 0.0)] for mark, time, load, depth in body]
     body[200][0], body[0][0] = None, "Surface Index"
     (test,) = read_vendor_file(write_workbook(tmp_path / "x.xlsx", {"Test 1": [names, units, *body]}))
-    assert any(RESTS + "19." in line for line in test.warnings)
+    assert any(RESTS + "20 s" in line for line in test.warnings)
     assert test.recording.time[np.argmax(test.recording.load)] == pytest.approx(30, abs=0.3)
 
 

@@ -1,8 +1,8 @@
 r"""Where the indenter first touches, found in a recording with its approach.
 
 That is not where the law of a sharp tip begins (`palpate.recordings.sharp_origin`): a blunt tip touches later, and dirt
-or a film is touched long before the body beneath it. A baseline is learnt in the air, and contact is where the load
-leaves it (`palpate.recordings.contact_search`).
+or a film is touched long before the body beneath it. Baseline, law of contact and noise are fitted together
+(`palpate.recordings.contact_search`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from scipy.ndimage import median_filter
 
 from palpate.base.channel_noise import long_run_noise, noise_of
 from palpate.errors import InputError
-from palpate.recordings.coarse_fit import begins_in_air, coarse
-from palpate.recordings.contact_search import Loading, searched
+from palpate.recordings.baseline import FOR_CURVE, FOR_OFFSET
+from palpate.recordings.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
 
 LOADED = 0.1  # of the rise of the load, that the tip has reached at least where a way in counts
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range and depth's, of a cycle
@@ -25,7 +25,7 @@ CLEAR = 6.0  # standard deviations of the noise, beyond which a channel has move
 MOSTLY = 0.95  # of the largest load, where the loading ends
 FAR = 8.0  # ways in, chosen: farther air adds nothing to the baseline, and steps along it would miss the test
 STILL = 0.05  # of the load's range, chosen: within which the load in far air varies
-ROUNDING = 1e-9  # of a channel's range: what floating point makes of equal values
+THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
 BESIDE = 3  # points on either side of contact, chosen: their steps show how far apart points are there
 MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
@@ -47,7 +47,7 @@ class ContactPoint:
     baseline_time, baseline_load : ndarray, shape (n,)
         What the load reads without contact [mN], over time [s]; empty where contact was given.
     baseline_terms
-        What the baseline shows beside its offset: ``tilt``, ``drift``, ``sine`` (with ``cosine``), ``smooth``.
+        What the baseline shows beside its offset: ``tilt``, ``drift``, ``sine`` (with ``cosine``), ``transient``.
     """
 
     index: int
@@ -64,9 +64,9 @@ class ContactPoint:
 def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of first touch: the median of its posterior, with the 95 % region of highest density.
 
-    The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_posterior`), and on
-    either side the error of all laws or one standard deviation of the depth's noise. It reaches a step from one
-    recorded point to the next at least.
+    The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), on either
+    side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's. It
+    reaches a step from one recorded point to the next at least.
 
     Parameters
     ----------
@@ -97,13 +97,17 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
     instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
     first = last + 1 - len(path)
-    noise, error = max(noise_of(force), _digit(force) / 12**0.5, 1e-6 * float(np.ptp(load))), noise_of(path)
+    noise, error = max(noise_of(force), 1e-6 * float(np.ptp(load))), noise_of(path)
     duration, span, way = (float(np.ptp(channel)) for channel in (instants, force, path))
     clock, shares = (instants - instants[0]) / duration, (path - path[0]) / way
-    approach = retreated or begins_in_air(clock, force / span, shares)
-    zero = float(force[0]) if approach else 0.0
-    found = searched(Loading(clock, (force - zero) / span, shares, noise / span, long_run_noise(path) / way, approach))
+    for approach in (True, False) if retreated or begins_in_air(clock, force / span, shares) else (False,):
+        zero = float(force[0]) if approach else 0.0
+        levels = (noise / span, long_run_noise(path) / way)
+        found = searched(clock, (force - zero) / span, shares, levels, approach)
+        if retreated or found.in_air >= FOR_OFFSET:
+            break
     contact, lower, upper = (path[0] + way * share for share in (found.contact, found.lower, found.upper))
+    contact, lower = _before(contact, lower, instants, force, path)
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
@@ -115,10 +119,25 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     return ContactPoint(index, moment, level, contact, lower, upper, *baseline, found.terms)
 
 
-def _digit(values: np.ndarray) -> float:
-    """Return the step of the digits in which a channel (n,) is written; a value is off by 1/sqrt(12) of it."""
-    steps = np.diff(np.unique(values))
-    return float(steps[steps > ROUNDING * np.ptp(values)].min(initial=np.ptp(values)))
+def _before(contact: float, lower: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float]:
+    """Return contact and lower end of its interval, moved to where what was taken for air is left earlier.
+
+    What is touched before the body is thin beside the test, unless the load rises from the first point on. Without six
+    points in air, or where fewer than thirty rise all the way, the interval reaches the first point: a touch from there
+    on and a tilted baseline are one.
+    """
+    air = int(np.argmax(depth > lower))
+    least = lower - THIN * float(depth[-1] - lower)
+    while air >= FEWEST and (earlier := earlier_touch(time[:air], load[:air], depth[:air])) is not None:
+        whole = rises_steadily(load[:air]) and lower - depth[0] < depth[-1] - lower
+        if earlier < least and not whole:
+            break
+        contact = earlier
+        lower = min(earlier, lower) - float(np.median(np.abs(np.diff(depth[:air]))))
+        air = int(np.argmax(depth > lower))
+    if air < FEWEST or (air < FOR_CURVE and rises_steadily(load[:air])):
+        lower = min(lower, float(depth[0]))
+    return contact, lower
 
 
 def _without_far_air(
@@ -138,7 +157,7 @@ def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
     duration, span, way = (float(np.ptp(channel)) for channel in (time, load, depth))
     if not (span > 0.0 and way > 0.0):
         return float(depth[0])
-    contact, _ = coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way, approach=True)
+    _, contact, _ = coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way, approach=True)
     return float(depth[0] + way * contact)
 
 

@@ -1,36 +1,44 @@
-"""The search for contact: the baseline is learnt in the air, contact is where the load leaves it.
-
-The air is taken to end early at first. What is learnt in it gives a posterior of the contact, whose lower end bounds
-the air that the next baseline is learnt in, until that end stays.
-"""
+"""The search for contact: from a coarse fit to the whole loading to the evidence in ever finer ranges."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product, starmap
 
 import numpy as np
+import pandas as pd
 
-from palpate.recordings.baseline import FOR_OFFSET, FOR_SLOPE, ZERO, Baseline, Noise, learnt
-from palpate.recordings.blocks import Blocks
-from palpate.recordings.coarse_fit import coarse
-from palpate.recordings.contact_posterior import Rise, log_posterior, weighed
+from palpate.recordings.baseline import Baselines, waves_in
+from palpate.recordings.contact_evidence import (
+    AMPLITUDES,
+    CORRELATION_TIMES,
+    Blocks,
+    ContactGuess,
+    Evidence,
+    ResidualNoise,
+    slopes_of,
+)
+from palpate.recordings.contact_law import Laws
 
-AIR_FIRST = (0.35, 0.7)  # of the way to a rough contact, chosen: airs that are believed at first; both count alike
-DEPARTS = 5.0  # standard deviations, chosen: a load that departs so far from what was foretold has left the air
-MORE = 1.5  # times all that the load does before, chosen: likewise, so that no wave and no start of a stage counts
-ROUNDS = 3  # of learning the baseline, at most
-IN_AIR, NEAR, BEYOND = 50, 50, 30  # blocks in the air before the contacts on trial, about them, and beyond
 CONTACTS = 32  # on trial in each step
-UPPER = 0.5  # share of the largest load up to which the loading is explained
-HIGHEST = 0.3  # of the largest load, chosen: contact lies below
-EVEN = 100  # steps, over which slopes are taken
+STEPS = 4  # at most
 LEVEL = 0.95  # probability of the interval
 ANYWHERE = 1e-5  # of the largest posterior weight, from which on a contact stays on trial
-ZOOMS = 2  # into the range of likely contacts
-CLEAR = 3.0  # standard deviations of the noise about a baseline, beyond which a load stands clear of it
-SETTLED = 0.1  # of the interval, chosen: a lower end that moves by less stays
-ALONE = ((0.0, 1.0), (1.0, 0.02), (1.0, 0.1), (4.0, 0.02), (4.0, 0.1))  # noise without air: white ones, duration
+MUCH_WORSE = 2.0  # ratio of mean squares
+WELL = 0.003  # of the load's range, chosen: a law that fits as well as this needs no baseline, or a straight one alone
+SERIES = 5e-4  # of the load's range, chosen: so closely a drift and a tilt together are the load of a spring in series
+FEWEST_IN_AIR = 6  # points
+CLEARLY = 6.0  # root mean squares of what a fit leaves, by which a law rises that is no accident, chosen
+LITTLE = 4.0  # times what a law leaves, that a line leaves where the law explains more than it, chosen
+MORE = 1.5  # times what the load does before, chosen on the XP's tests in fused silica
+STEADY = 0.9  # rank correlation of a load that rises from point to point, chosen
+ENDS = 20  # averages that a stretch is made of, to compare its end with its least
+MOST_BEFORE = 7  # stretches before, that the last one is compared with
+UNSURE = 0.05  # of the law's load, which is no part of a wave
+AGAIN = 15.0  # nats below the best, with which correlated noise is tried again in the next step
+UPPER = 0.5  # share of the law's largest load up to which it is fitted
+IN_AIR, NEAR, BEYOND = 60, 90, 50  # blocks before, about and beyond the contacts on trial
+EVERY_NOISE = (ResidualNoise(), *starmap(ResidualNoise, product(AMPLITUDES, CORRELATION_TIMES)))
 
 
 @dataclass(frozen=True)
@@ -42,9 +50,11 @@ class Found:
     contact, lower, upper
         Median of the posterior and ends of its interval of highest density.
     time, baseline : ndarray, shape (n,)
-        The likeliest baseline, learnt in the air.
+        The best baseline.
     terms
-        Kinds of its terms, and of its noise.
+        Kinds of its terms.
+    in_air
+        Points before contact.
     """
 
     contact: float
@@ -53,216 +63,217 @@ class Found:
     time: np.ndarray
     baseline: np.ndarray
     terms: frozenset[str]
+    in_air: int
 
 
-@dataclass(frozen=True)
-class Loading:
-    """A loading from the start of the approach to nearly the largest load; time, load and depth (n,) run over a unit.
+def searched(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray, noise: tuple[float, float], approach: bool
+) -> Found:
+    """Search the contact of a loading.
 
-    Attributes
+    Parameters
     ----------
-    white, depth_noise
-        Standard deviations of the white noise of a point of load and depth.
+    time, load, depth : ndarray, shape (n,)
+        From the start of the approach to nearly the largest load; each runs over a unit.
+    noise
+        White noise of load and of depth.
     approach
         Whether there is one; without, contact may lie before the first point, where the load is zero.
     """
+    guess, contact, left = coarse(time, load, depth, approach)
+    reach = float(np.ptp(depth))
+    lowest = depth.min() - (0.0 if approach else 0.5 * reach)
+    low, high = lowest, depth.min() + 0.98 * reach
+    laws, baselines = Laws(), Baselines(together=left > WELL**2 or not _in_series(time, load, depth))
+    noises = [replace(noise, of_depth=not approach) for noise in EVERY_NOISE]
+    for step in range(STEPS):
+        count = _counting(guess, max(contact, high) if step else contact, depth)
+        blocks = Blocks.of(_edges(depth[:count], low, high, contact if step == 0 else None), time, depth, load)
+        end = float(blocks.depth.max())
+        high = min(high, end - 0.02 * (end - low))
+        contacts = np.linspace(low, high, CONTACTS)
+        in_air = int(np.argmax(depth > contact)) if approach else 0
+        baselines = replace(baselines, in_air=in_air)
+        near = ContactGuess(contact, *_at(guess, blocks.depth))
+        if step == 0:
+            baselines = _with_waves(baselines, blocks, near.loads, noise[0])
+        evidence = Evidence(blocks, near, baselines, laws, contacts, *noise)
+        best = evidence.search(noises)
+        posterior = evidence.posterior()
+        baseline, fitted = evidence.fitted(best)
+        guess, contact = (blocks.depth, fitted.loads), fitted.contact
+        weight = posterior.sum(axis=1)
+        apart = contacts[1] - contacts[0]
+        found = _interval(contacts, weight)
+        if step < 2:
+            baselines = _with_waves(baselines, blocks, fitted.loads, noise[0])
+        inside = contacts[weight > ANYWHERE * weight.max()]
+        before = high - low
+        low, high = max(inside[0] - 2 * apart, low), min(inside[-1] + 2 * apart, high)
+        if step > 1 and high - low > 0.7 * before:
+            break
+        laws = laws.narrowed(posterior.sum(axis=0))
+        likely = [noise for noise, _ in evidence.near(AGAIN)]
+        noises = [ResidualNoise(n.amplitude, n.correlation_time, of_depth=not approach) for n in likely]
+        noises = list(dict.fromkeys(noises))
+    kinds = frozenset(name.split()[0] for name, _ in best[1])
+    return Found(*found, blocks.time, baseline, kinds, int(np.argmax(depth > found[0])))
 
-    time: np.ndarray
-    load: np.ndarray
-    depth: np.ndarray
-    white: float
-    depth_noise: float
-    approach: bool
 
-    def learnt_before(self, depth: float) -> tuple[list[Baseline], Blocks | None]:
-        """Return the baselines that the air before a depth makes likely, and the air; without any, noise alone."""
-        count = int(np.argmax(self.depth > depth))
-        if not self.approach or count < FOR_OFFSET:
-            return [Baseline(ZERO, Noise("correlated", a * self.white, t) if a else Noise()) for a, t in ALONE], None
-        air = Blocks.even(IN_AIR, self.time[:count], self.depth[:count], self.load[:count])
-        return learnt(air, self.white), air
+def _in_series(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:
+    """Return whether a drift and a tilt together are the load, as of a spring in series that is driven evenly."""
+    columns = np.column_stack([np.ones(len(time)), time, depth])
+    left = load - columns @ np.linalg.lstsq(columns, load, rcond=None)[0]
+    return float(np.sqrt(np.mean(left**2))) < SERIES * np.ptp(load)
 
-    def blocks(self, low: float, high: float, end: float) -> Blocks:
-        """Return blocks up to the depth `end`, finer between the depths `low` and `high`."""
-        size = max(_last_up_to(self.depth, end), 1)
-        first = int(np.argmax(self.depth >= low))
-        last = _last_up_to(self.depth, high)
+
+def _with_waves(baselines: Baselines, blocks: Blocks, loads: np.ndarray, white: float) -> Baselines:
+    """Return baselines with the waves that a law's loads (n,) leave in the blocks."""
+    deviation = np.sqrt(white**2 / blocks.count + (UNSURE * loads) ** 2)
+    return replace(baselines, waves=waves_in(blocks.load - loads, 1 / deviation, blocks.time, blocks.depth))
+
+
+def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:
+    """Return whether a loading (n,) needs a baseline.
+
+    Without one the law begins some points later than the recording, or fits much worse.
+    """
+    _, contact, alone = coarse(time, load, depth, approach=False)
+    if np.sum(depth[: len(depth) // 2] < contact) >= FEWEST_IN_AIR:
+        return True
+    return alone > max(MUCH_WORSE * coarse(time, load, depth, approach=True)[2], WELL**2)
+
+
+def earlier_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float | None:
+    """Return from which depth on what was taken for air (n,) rises at its end as by a law of contact; None where not.
+
+    A film, dirt or an asperity is touched before the body, whose law the whole loading follows. The last half is
+    tried, the last quarter and so on, and the whole where the load rises over all of it: the rise at the end has to be
+    far above noise, and above all that the load does in seven stretches as long before, so that no wave counts. The
+    clearest of them gives the depth.
+    """
+    clearest, found = 0.0, None
+    length = len(load) if rises_steadily(load) else len(load) // 2
+    while length >= FEWEST_IN_AIR:
+        begin = len(load) - length
+        contact, height, ratio = _rise(time[begin:], load[begin:], depth[begin:])
+        before = slice(max(begin - MOST_BEFORE * length, 0), begin)
+        if height > MORE * _excursion(time[before], load[before], length) and ratio > max(clearest, CLEARLY):
+            clearest, found = ratio, contact
+        length //= 2
+    return found
+
+
+def rises_steadily(load: np.ndarray) -> bool:
+    """Return whether a load (n,) rises over all its points, by its rank correlation with their order."""
+    if len(load) < 3 or np.ptp(load) == 0.0:
+        return False
+    return bool(np.corrcoef(np.arange(len(load)), pd.Series(load).rank())[0, 1] > STEADY)
+
+
+def _excursion(time: np.ndarray, load: np.ndarray, length: int) -> float:
+    """Return how far averages of a load (n,) lie apart about a straight line in time, 20 of them over a `length`."""
+    if len(load) < FEWEST_IN_AIR:
+        return 0.0
+    edges = np.arange(0, len(load), max(length // ENDS, 1))
+    means, clock = (np.add.reduceat(channel, edges) / np.diff([*edges, len(load)]) for channel in (load, time))
+    return float(np.ptp(means - np.polyval(np.polyfit(clock, means, 1), clock))) if len(means) > 2 else 0.0
+
+
+def _rise(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
+    """Return where a law of contact on a straight line begins in a load (n,), its height, and that over what is left.
+
+    The height is zero where the law explains little that the line does not, or the load does not end above its least:
+    so starts a stage, or drifts a load.
+    """
+    duration, span, way = (float(np.ptp(channel)) for channel in (time, load, depth))
+    if span <= 0.0 or way <= 0.0:
+        return float(depth[0]), 0.0, 0.0
+    clock, force, shares = (time - time[0]) / duration, load / span, (depth - depth[0]) / way
+    (_, law), contact, left = coarse(clock, force, shares, approach=True)
+    blocks = _even(clock, force, shares)
+    line = np.mean((blocks.load - np.polyval(np.polyfit(blocks.depth, blocks.load, 1), blocks.depth)) ** 2)
+    edges = np.unique(np.linspace(0, len(load), min(len(load), ENDS) + 1).round().astype(int))[:-1]
+    means = np.add.reduceat(force, edges) / np.diff([*edges, len(load)])
+    height = min(float(np.ptp(law)), float(means[-1] - means.min())) * bool(line > LITTLE * left)
+    return float(depth[0] + way * contact), span * height, height / np.sqrt(max(left, 1e-12))
+
+
+def _even(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Blocks:
+    """Return at most 200 averages of equally many points."""
+    size = len(load)
+    return Blocks.of(np.unique(np.linspace(0, size, min(size, 200) + 1).round().astype(int)), time, depth, load)
+
+
+def coarse(
+    time: np.ndarray, load: np.ndarray, depth: np.ndarray, approach: bool
+) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
+    """Return depths and loads (n,) of the law, and the contact, that fit the loading best on a straight baseline.
+
+    The last value is the mean square of the residual; without an approach the baseline is zero.
+
+    Parameters
+    ----------
+    time, load, depth, approach
+        As for `searched`.
+    """
+    blocks = _even(time, load, depth)
+    end, start = float(blocks.depth.max()), float(blocks.depth.min())
+    contacts = np.unique([*np.linspace(start, end, 60), *blocks.depth[::3]])
+    contacts = contacts[contacts < start + 0.97 * (end - start)]
+    laws = Laws().loads(blocks.depth, contacts, end).reshape(len(blocks.load), -1)
+    straight = np.linalg.qr(np.column_stack([np.ones_like(blocks.depth), blocks.depth]))[0][:, : 2 if approach else 0]
+    force = blocks.load - straight @ (straight.T @ blocks.load)
+    beside = laws - straight @ (straight.T @ laws)
+    power = np.maximum(np.sum(beside**2, axis=0), 1e-12)
+    amplitude = force @ beside / power
+    gained = np.where(amplitude > 0, amplitude**2 * power, -np.inf)
+    best = int(np.argmax(gained))
+    contact = float(contacts[best // len(Laws())])
+    return (blocks.depth, amplitude[best] * laws[:, best]), contact, float(force @ force - gained[best]) / len(force)
+
+
+def _counting(guess: tuple[np.ndarray, np.ndarray], contact: float, depth: np.ndarray) -> int:
+    """Return how many points count: twelve at least, up to half of the law's largest load, all contacts within."""
+    depths, loads = guess
+    reached = max(depths[int(np.argmax(loads >= UPPER * loads.max()))], contact + 0.1 * (depth.max() - contact))
+    beyond = np.flatnonzero(np.maximum.accumulate(depth) > reached)
+    return max(int(beyond[0]) if len(beyond) else len(depth), min(len(depth), 12))
+
+
+def _at(guess: tuple[np.ndarray, np.ndarray], depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the guessed law's loads and slopes (n,) at depths (n,)."""
+    order = np.argsort(guess[0])
+    loads = np.interp(depth, guess[0][order], guess[1][order])
+    return loads, slopes_of(depth, loads)
+
+
+def _edges(depth: np.ndarray, low: float, high: float, contact: float | None) -> np.ndarray:
+    """Return the edges of blocks: even before the contacts on trial, fine about them, in growing steps beyond."""
+    size = len(depth)
+    if contact is not None:
+        parted = int(np.argmax(depth > contact))
+        parts = [np.linspace(0, parted, min(parted, 90) + 1), np.linspace(parted, size, min(size - parted, 70) + 1)]
+    else:
+        first = int(np.argmax(depth >= low))
+        below = np.flatnonzero(depth <= high)
+        last = int(below[-1]) + 1 if len(below) else first + 1
         last = min(max(last + (last - first) // 2 + 3, first + 8), size)
-        way = np.maximum.accumulate(self.depth[last:size])
+        way = np.maximum.accumulate(depth[last:])
         deeper = high + (way[-1] - high) * np.linspace(0, 1, BEYOND) ** 2 if len(way) else np.empty(0)
-        edges = [
+        parts = [
             np.linspace(0, first, min(first, IN_AIR) + 1),
             np.linspace(first, last, min(last - first, NEAR) + 1),
             (last + np.searchsorted(way, deeper)).astype(float),
         ]
-        found = np.unique(np.clip(np.concatenate([[0], *edges, [size]]).round().astype(int), 0, size))
-        return Blocks.of(found, self.time, self.depth, self.load)
-
-
-@dataclass(frozen=True)
-class Learnt:
-    """The air before a depth, the baselines that it makes likely, and what follows from them for the whole loading.
-
-    Attributes
-    ----------
-    air
-        Blocks; None without an approach.
-    baselines
-        The best first.
-    clear
-        Depth from which on the load stands clear of the best, allowing for how surely that is known there.
-    top, end
-        Depths where it has risen to the shares `HIGHEST` and `UPPER` of its largest.
-    """
-
-    air: Blocks | None
-    baselines: list[Baseline]
-    clear: float
-    top: float
-    end: float
-
-
-def _last_up_to(depth: np.ndarray, end: float) -> int:
-    """Return the number of points (n,) up to the last one that lies no deeper than `end`."""
-    found = np.flatnonzero(depth <= end)
-    return int(found[-1]) + 1 if len(found) else 0
-
-
-def searched(loading: Loading) -> Found:
-    """Search the contact of a loading."""
-    start = float(loading.depth[0])
-    rough = max(coarse(loading.time, loading.load, loading.depth, loading.approach)[0], start)
-    ends = [_checked_air(loading, start + share * (rough - start)) for share in AIR_FIRST]
-    low = 0.5 * (start + min(ends)) if loading.approach else start - 0.5 * float(np.ptp(loading.depth))
-    airs = [_grown(loading, end, low) for end in (ends if loading.approach else ends[:1])]
-    grid = np.unique(np.concatenate([np.array([start]), *(_whole_range(low, each) for each in airs)]))
-    for _ in range(1 + ZOOMS):
-        weight, blocks, base = _posterior(loading, airs, grid)
-        found = _interval(grid, weight)
-        inside = np.flatnonzero(weight > ANYWHERE * weight.max())
-        first, last = grid[max(inside[0] - 1, 0)], grid[min(inside[-1] + 1, len(grid) - 1)]
-        grid = np.linspace(first, last, CONTACTS)
-    if loading.approach and found[1] <= low:
-        found = found[0], start, found[2]
-    best = airs[0].baselines[0]
-    return Found(*found, blocks.time, base, frozenset([*(name for name, _ in best.terms), best.noise.kind]))
-
-
-def _grown(loading: Loading, air_end: float, low: float) -> Learnt:
-    """Return what the air teaches that begins with the part up to `air_end` and grows to contact."""
-    for _ in range(ROUNDS):
-        found = _learnt(loading, air_end)
-        grid = _whole_range(low, found)
-        _, lower, upper = _interval(grid, _posterior(loading, [found], grid)[0])
-        further = min(lower, found.clear)
-        if found.air is None or further < air_end + SETTLED * (upper - lower):
-            break
-        air_end = further
-    return found
-
-
-def _learnt(loading: Loading, air_end: float) -> Learnt:
-    """Return what the air before a depth teaches."""
-    baselines, air = loading.learnt_before(air_end)
-    even = Blocks.even(150, loading.time, loading.depth, loading.load)
-    reached = np.maximum.accumulate(even.depth)
-    base, sure = _without_contact(loading, baselines[0], air, even)
-    clear = _for_good(even.load - base - CLEAR * sure) > 0.0
-    risen = _risen(even, base, baselines[0], air, loading.white)
-    depths = [float(reached[int(np.argmax(risen >= share * risen.max()))]) for share in (HIGHEST, UPPER)]
-    return Learnt(air, baselines, float(reached[int(np.argmax(clear))] if clear.any() else reached[-1]), *depths)
-
-
-def _checked_air(loading: Loading, air_end: float) -> float:
-    """Return up to which depth the load stays near what the first half of the air foretells: halved until it does."""
-    start = float(loading.depth[0])
-    while loading.approach:
-        half = 0.5 * (start + air_end)
-        first, last = (int(np.argmax(loading.depth > depth)) for depth in (half, air_end))
-        if first < FOR_SLOPE or last - first < FOR_SLOPE:
-            break
-        baselines, air = loading.learnt_before(half)
-        rest = Blocks.even(FOR_SLOPE, *(channel[first:last] for channel in (loading.time, loading.depth, loading.load)))
-        base, sure = _without_contact(loading, baselines[0], air, rest)
-        rise = float((rest.load - base)[-1])
-        if rise < max(DEPARTS * sure[-1], MORE * (float(np.ptp(air.load)) if air else 0.0)):
-            break
-        air_end = half
-    return air_end
-
-
-def _posterior(loading: Loading, airs: Sequence[Learnt], grid: np.ndarray) -> tuple[np.ndarray, Blocks, np.ndarray]:
-    """Return the weights (k,) of contacts (k,), each air counting alike, and the blocks and baseline of the first."""
-    total, shown = np.zeros(len(grid)), []
-    for each in airs:
-        blocks = loading.blocks(float(grid[0]), float(grid[-1]), max(each.end, float(grid[-1])))
-        base, _ = _without_contact(loading, each.baselines[0], each.air, blocks)
-        risen = _risen(blocks, base, each.baselines[0], each.air, loading.white)
-        rise = Rise(risen, _slopes(blocks.depth, risen) * loading.depth_noise)
-        parts = [log_posterior(blocks, rise, one, grid, loading.white) for one in each.baselines]
-        weights = np.array([one.weight for one in each.baselines])
-        if each.air is None:
-            evidence = np.array([np.logaddexp.reduce(part, axis=None) for part in parts])
-            weights = np.exp(evidence - evidence.max())
-        weight = weighed(parts, list(weights / weights.sum())).sum(axis=(1, 2)) * _widths(grid)
-        if not weight.sum() > 0.0:  # nothing rises anywhere: each place is as likely
-            weight = np.ones(len(grid))
-        total += weight / weight.sum() / len(airs)
-        shown.append((blocks, base))
-    return total, *shown[0]
-
-
-def _without_contact(
-    loading: Loading, baseline: Baseline, air: Blocks | None, blocks: Blocks
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the load reads at blocks (n,) without contact, and the standard deviation of that."""
-    if air is None:
-        return np.zeros(len(blocks)), loading.white / np.sqrt(blocks.count)
-    return baseline.forecast(air, blocks, loading.white)
-
-
-def _risen(blocks: Blocks, base: np.ndarray, baseline: Baseline, air: Blocks | None, white: float) -> np.ndarray:
-    """Return by how much the load stands clear of its noise about a baseline (n,) for good.
-
-    Far from the air a slope that is badly known would lead anywhere: there the baseline stays among the loads in air.
-    """
-    rough = baseline.noise.amplitude if baseline.noise.kind == "correlated" else 0.0
-    noise = baseline.scale * np.sqrt(white**2 / blocks.count + rough**2)
-    within = base if air is None else np.clip(base, air.load.min(), air.load.max())
-    return _for_good(blocks.load - within - CLEAR * noise)
-
-
-def _whole_range(low: float, learnt: Learnt) -> np.ndarray:
-    """Return contacts on trial over all depths where one may lie, closest where the load leaves its baseline."""
-    way = max(learnt.end - learnt.clear, learnt.top - learnt.clear, 0.05 * (learnt.end - low))
-    near = learnt.clear + way * np.concatenate([-np.geomspace(1.0, 4e-3, 18), [0.0], np.geomspace(4e-3, 1.0, 9)])
-    low = min(low, learnt.top - way)
-    grid = np.unique(np.concatenate([np.linspace(low, learnt.top, 12), near]))
-    return grid[(grid >= low) & (grid <= learnt.top)]
-
-
-def _for_good(excess: np.ndarray) -> np.ndarray:
-    """Return the least of an excess (n,) of the load from a point on, above zero."""
-    return np.maximum(np.minimum.accumulate(excess[::-1])[::-1], 0.0)
-
-
-def _slopes(depth: np.ndarray, risen: np.ndarray) -> np.ndarray:
-    """Return the slope (n,) of a load that has risen for good, over noisy depths (n,), by even steps of the depth."""
-    even = np.linspace(depth.min(), depth.max(), EVEN)
-    return np.interp(depth, even, np.gradient(np.interp(even, np.sort(depth), risen), even))
-
-
-def _widths(values: np.ndarray) -> np.ndarray:
-    """Return the width of the cell about each value (n,)."""
-    between = 0.5 * (values[1:] + values[:-1])
-    return np.diff(np.concatenate([values[:1], between, values[-1:]]))
+    return np.unique(np.clip(np.concatenate([[0], *parts, [size]]).round().astype(int), 0, size))
 
 
 def _interval(contacts: np.ndarray, weight: np.ndarray) -> tuple[float, float, float]:
-    """Return the median, and the ends of the region of highest density, of weights (k,) at contacts (k,)."""
-    edges = np.concatenate([contacts[:1], 0.5 * (contacts[1:] + contacts[:-1]), contacts[-1:]])
-    share = np.concatenate([[0.0], np.cumsum(weight)])
-    median = float(np.interp(0.5, share, edges))
-    order = np.argsort(weight / np.maximum(_widths(contacts), 1e-300))[::-1]
+    """Return the median, and the ends of the region of highest density, of weights (k,) at even contacts (k,)."""
+    half = 0.5 * (contacts[1] - contacts[0])
+    share = np.cumsum(weight)
+    median = float(np.interp(0.5, share - 0.5 * weight, contacts))
+    order = np.argsort(weight)[::-1]
     inside = order[: int(np.searchsorted(np.cumsum(weight[order]), LEVEL)) + 1]
-    return median, float(edges[inside.min()]), float(edges[inside.max() + 1])
+    return median, float(contacts[inside].min() - half), float(contacts[inside].max() + half)

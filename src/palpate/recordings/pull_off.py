@@ -16,10 +16,9 @@ CLEAR = 10.0  # standard deviations of the load's noise, likewise
 def pull_off(recording: Recording) -> float:
     """Return how far the load falls below that without contact, after its largest [mN]; 0 where little or within noise.
 
-    What the load reads without contact is taken from an approach; where a recording begins at contact it is zero, or
-    less where the first load is.
+    What the load reads without contact is taken from an approach, and is zero where a recording begins at contact.
     """
     load, peak = recording.load, int(np.argmax(recording.load))
-    free = float(np.median(load[:NEAR_START])) if recording.time[0] < 0.0 else min(float(load[0]), 0.0)
+    free = float(np.median(load[:NEAR_START])) if recording.time[0] < 0.0 else 0.0
     pull = free - float(median_filter(load, 3, mode="nearest")[peak:].min())
     return pull if pull > max(PULLED * (load[peak] - free), CLEAR * noise_of(load)) else 0.0
