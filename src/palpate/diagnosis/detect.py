@@ -114,26 +114,6 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
     return combined([[p_means], between_replicates(fit, screen.keys, site_scatter), of_tests])
 
 
-def replicates_differ(fit: Fit, keys: Iterable[str], site_scatter: float, significance: float) -> bool:
-    """Return whether replicates differ beyond their noise, whatever acts that is the same in all of them.
-
-    No explanation with the amplitudes of a fit alone leaves noise then, as `examine` would find.
-
-    Parameters
-    ----------
-    fit
-        An explanation.
-    keys
-        The mechanisms considered.
-    site_scatter
-        See `examine`.
-    significance
-        Probability below which noise does not explain it.
-    """
-    of_tests = [1.0] if fit.own else []
-    return combined([[1.0], between_replicates(fit, keys, site_scatter), of_tests]) < significance
-
-
 def between_replicates(fit: Fit, keys: Iterable[str], site_scatter: float) -> list[float]:
     """Return p-values for amplitudes that vary between replicates: likelihood ratios with the variances at their bound.
 

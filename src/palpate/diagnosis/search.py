@@ -101,7 +101,7 @@ class Search:
         laws: LawsBeside | None = None,
         policy: SearchPolicy | None = None,
     ):
-        self.study, self._rng = study, rng
+        self.study = study
         self.policy = policy or SearchPolicy()
         errors = (study.calibration[name] for name in ("site_scatter", "solver_error", "law_error"))
         self._fitter = Fitter(problem, *errors)
