@@ -18,8 +18,8 @@ a length of its own, a sphere or a film, loses that memory with the logarithm of
 and meshes breach the scaling a little, each test keeps a part of its own, `own` of the variance: with a correlation of
 exactly one each breach by a thousandth would be named. Replicates share x wholly.
 
-Neither number is known. A quadrature over `SHARES` and `OWN` integrates over both, with a prior that is the same for all
-explanations compared.
+Neither number is known. A quadrature over `SHARES` and `OWN` integrates over both, with a prior that is the same for
+all explanations compared.
 """
 
 from __future__ import annotations
