@@ -4,7 +4,7 @@
 
 Every study runs undisturbed in a folder of its own, and beside the others in one folder, where its execution with all
 of its jobs is killed (SIGKILL) after a time drawn from a seeded generator, and begun again, until it ends by itself.
-Results are compared byte for byte; logs, and what is sent to MLflow, hold times and are left out.
+Results are compared byte for byte; logs, benchmarks and what is sent to MLflow hold times and are left out.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import yaml
 from palpate.workflow_support import killed_run
 
 ROOT = Path(__file__).parents[1]
-APART = ("logs", "tracking", "mlartifacts", "mlflow.db", "mlflow.db.lock")
+APART = ("logs", "benchmarks", "tracking", "mlartifacts", "mlflow.db", "mlflow.db.lock")
 KILLS = 2  # of each study
 EARLIEST, LATEST = 3.0, 40.0  # s after the start
 

@@ -284,7 +284,7 @@ def test_a_job_that_was_killed_after_a_setting_changed_leaves_nothing_stale(undi
     (tmp_path / "results/elastic/lab/calibrations/all.json").unlink()
     planned = run(tmp_path, "study.yaml", "--cores", "1", "--dry-run")
     rules = set(re.findall(r"^(\w+) +\d+$", planned.stdout + planned.stderr, flags=re.MULTILINE))
-    assert {"calibration_on_all", "tables", "report", "tracking"} <= rules
+    assert {"calibration_on_all", "figures", "report", "tracking"} <= rules
 
 
 @pytest.mark.faults(before="bash: /home/me/My: No such file or directory")
@@ -293,7 +293,7 @@ def test_a_virtual_environment_in_a_folder_with_a_space_serves(tmp_path):
     """Its Python finds the packages of the one that runs this; Snakemake starts each script with it."""
     environment = tmp_path / "My Lab's environment"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", environment], check=True)
-    python, shared = environment / "bin/python", [path for path in sys.path if path.endswith("site-packages")]
+    python, shared = environment / "bin/python", [path for path in sys.path if path.endswith(("site-packages", "src"))]
     (packages,) = environment.glob("lib/python*/site-packages")
     (packages / "shared.pth").write_text("\n".join(shared))
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
