@@ -232,6 +232,12 @@ class Marginal:
         """Return the same for some of the columns."""
         return replace(self, products=self.products[:, places][:, :, places])
 
+    def from_elsewhere(self, places: np.ndarray, moves: np.ndarray) -> Marginal:
+        """Return the same with the first column where the coefficients of those at `places` have made `moves` (p,)."""
+        moved = np.eye(self.products.shape[1])
+        moved[places, 0] = -moves
+        return replace(self, products=moved.T @ self.products @ moved)
+
     def log_densities(self, variance: float | np.ndarray, moves: bool = True, positive: bool = False) -> np.ndarray:
         """Return the log density (q,) of the first column at each node, the coefficients of the others integrated over.
 
