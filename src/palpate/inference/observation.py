@@ -61,38 +61,37 @@ class Observation:
     @classmethod
     def from_recordings(
         cls,
-        time: np.ndarray,
+        protocol: Protocol,
         recordings: Sequence[Recording],
         role: str = "calibrate",
-        quantity: str = "depth",
     ) -> Observation:
-        """Resample depths or loads of recordings on the sample times, see `palpate.base.interpolation`.
+        """Resample the responses of recordings on the sample times, see `palpate.base.interpolation`.
 
         Parameters
         ----------
-        time : ndarray, shape (n_points,)
-            Sample times [s].
+        protocol
+            History of the condition.
         recordings
             Replicates of one condition.
         role
             ``calibrate`` or ``validate``.
-        quantity
-            The response: ``depth`` or ``load``.
 
         Raises
         ------
         InputError
             When a recording ends before the last sample time by more than 2 % of the test.
         """
+        time = protocol.sample_time
         for recording in recordings:
             if recording.time[-1] < WHOLE * time[-1]:
                 raise InputError(
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
-        if quantity == "load":
+        if protocol.response == "load":
             return cls(time, np.array([load_at(time, r.time, r.load) for r in recordings]), role)
-        return cls(time, np.array([depth_at(time, r.time, r.depth) for r in recordings]), role)
+        history = protocol.knot_time, protocol.knot_drive
+        return cls(time, np.array([depth_at(time, r.time, r.depth, *history) for r in recordings]), role)
 
     @property
     def mean(self) -> np.ndarray:

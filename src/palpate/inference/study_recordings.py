@@ -207,7 +207,7 @@ def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str,
         if condition.own_loads:
             own = tuple(own_protocol(protocol, recording) for recording in recordings)
             recordings = [stretched(protocol, recording) for recording in recordings]
-        item = Observation.from_recordings(protocol.sample_time, recordings, condition.role, protocol.response)
+        item = Observation.from_recordings(protocol, recordings, condition.role)
         found[key] = replace(item, quantity=Quantity.of(protocol, study.indenter, item.mean), own=own)
     return found
 
