@@ -1,5 +1,5 @@
 # Recordings from curves of another finite-element code, in resumable groups:
-# snakemake --cores 2 independent --configfile config/challenge.yaml --config curves=FOLDER
+# snakemake --cores 2 independent --configfile config/challenge.yaml --config data=FOLDER
 from studies.independent import DRAWS, GROUP
 from studies.independent.bodies import BODIES
 
@@ -37,7 +37,7 @@ rule independent_diagnoses:
     conda:
         "../../envs/palpate.yaml"
     params:
-        curves=config.get("curves", "curves"),
+        curves=config.get("data", "data"),
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         code=code("studies/independent/scripts/diagnoses.py"),
     script:
