@@ -1,5 +1,5 @@
 # Recordings from curves of another finite-element code, in resumable groups:
-# snakemake --cores 2 independent --configfile config/challenge.yaml --config data=FOLDER
+# snakemake --cores 2 independent --config data=FOLDER
 from studies.independent import DRAWS, GROUP
 from studies.independent.bodies import BODIES
 
@@ -28,6 +28,7 @@ rule independent_truth:
 rule independent_diagnoses:
     input:
         truth=f"{INDEPENDENT}/sealed.json",
+        study=f"{HERE}/config/challenge.yaml",
     output:
         directory(f"{INDEPENDENT}/diagnoses/{{group}}"),
     log:
@@ -38,7 +39,6 @@ rule independent_diagnoses:
         "../../envs/palpate.yaml"
     params:
         curves=config.get("data", "data"),
-        settings=constant([STUDY.diagnosis, STUDY.calibration]),
         code=code("studies/independent/scripts/diagnoses.py"),
     script:
         "scripts/diagnoses.py"

@@ -5,6 +5,7 @@ import tempfile
 import time
 from pathlib import Path
 
+from palpate.configuration.study_file import load_study
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import read_json, write_json
 from studies.blind_trial.cases import Case
@@ -14,7 +15,7 @@ from studies.independent.recordings import write
 
 
 def main(snakemake):
-    study, first = job.study(snakemake), GROUP * int(snakemake.wildcards.group)
+    study, first = load_study(Path(snakemake.input.study)), GROUP * int(snakemake.wildcards.group)
     report = functools.partial(job.note, snakemake.log[0])
     for values in read_json(snakemake.input.truth)[first : first + GROUP]:
         case, begin = Case(**values), time.process_time()
