@@ -7,7 +7,7 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
-from palpate.diagnosis.detect import examine, filters, log_p, simulated_noise
+from palpate.diagnosis.detect import examine, filters, log_p, monte_carlo_p, simulated_noise
 from palpate.diagnosis.screen import Screen
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.covariance import components, noise_of
@@ -102,3 +102,20 @@ def test_noise_is_simulated_however_deep_the_tests_are(null):
     fit = fitted(null)
     deep = replace(fit, errors=replace(fit.errors, model=np.outer(fit.curve, fit.curve) * 1e4))
     assert np.isfinite(simulated_noise(deep, 10, np.random.default_rng(1))).all()
+
+
+@pytest.mark.parametrize("true", [0.3, 0.02, 0.006])
+def test_a_p_value_near_the_limit_is_known_to_a_fifth(true):
+    """By sequential draws; its mean is the true one, and one that is far below costs no more than the first draws."""
+    rng, calls = np.random.default_rng(4), []
+
+    def as_extreme():
+        calls.append(1)
+        return rng.binomial(500, true)
+
+    found = np.array([monte_carlo_p(as_extreme, 500) for _ in range(400)])
+    assert found.mean() == pytest.approx(true, rel=0.08)
+    assert found.std() < 0.3 * true
+    calls.clear()
+    assert monte_carlo_p(lambda: calls.append(1) or 0, 500) == pytest.approx(1 / 501)
+    assert len(calls) == 1

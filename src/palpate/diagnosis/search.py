@@ -145,7 +145,7 @@ class Search:
                 if not outside:
                     break
                 continue
-            far = outside and found[-1].misfit_ratio > self._fitter.policy.refined
+            far = outside and not self.explains(found[-1])
             if not (far or self._ends_outside(found[-1])):
                 break
         if not found:
@@ -155,10 +155,11 @@ class Search:
     def _reach(self, fit: Fit, key: str) -> float:
         """Return the chi-square that a fit must reach once a mechanism has joined.
 
-        Noise may leave it, and it is lower than before; not so for a mechanism that varies, which explains replicates.
+        Noise may leave it, and it is lower than before; not so for a mechanism that varies, which explains replicates,
+        nor where the law's discrepancy has another size than before.
         """
         likely = self._fitter.policy.likely_chi_square(len(fit.white))
-        return likely if MECHANISMS[key].varies else min(likely, fit.misfit)
+        return likely if MECHANISMS[key].varies or fit.errors.law else min(likely, fit.misfit)
 
     def _ends_outside(self, fit: Fit) -> bool:
         """Return whether a fit ended far outside the ranges."""

@@ -26,6 +26,8 @@ class FitPolicy:
         Largest number of iterations of a search; those that converge take 4 to 8, and 1 to 3 where one ended before.
     base_iterations
         The same of the base model, whose search begins far away and may follow a long valley.
+    sizes
+        Largest number of searches until the size of the law's discrepancy agrees with the parameters.
     first_tolerance, tolerance
         Changes of chi-square below which a search has converged: 0.7 and 0.14 standard deviations of the whole
         estimate. Chi-square of an explanation counts over its ratio to the degrees of freedom, where that exceeds one.
@@ -63,6 +65,7 @@ class FitPolicy:
     base_searches: int = 8
     iterations: int = 12
     base_iterations: int = 30
+    sizes: int = 6
     first_tolerance: float = 0.5
     tolerance: float = 0.02
     without_effect: float = 20.0

@@ -154,15 +154,18 @@ class Fitter:
     def settled(self, fit: Fit, until: Until) -> Fit:
         """Return a fit after the size of the law's discrepancy and the parameters agree.
 
-        The size changes little from where a search ended, so one more search suffices.
+        The size mostly changes little from where a search ended. Where it was that of a model without an effect that
+        is there, it hides what the search has to find, and falls from one search to the next.
         """
-        again = fit.sized()
-        if again is fit or not self.near(again) or again.alike(fit):
-            return again
         responses = self.problem.responses
-        begun = Descent(fit.z, responses(fit.curve), responses(fit.tangent), exact=False)
-        end = descend(self.goal(again), fit.model, [begun], until)
-        return self.at_end(fit.explanation, fit.model, end, again.errors).sized()
+        for _ in range(self.policy.sizes):
+            again = fit.sized()
+            if again is fit or not self.near(again) or again.alike(fit):
+                return again
+            begun = Descent(fit.z, responses(fit.curve), responses(fit.tangent), exact=False)
+            end = descend(self.goal(again), fit.model, [begun], until)
+            fit = self.at_end(fit.explanation, fit.model, end, again.errors)
+        return fit.sized()
 
     def reweighed(self, fit: Fit) -> Fit:
         """Return a fit of the base model by the errors of these settings, after a search with them."""
@@ -207,7 +210,7 @@ class Fitter:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
         self.problem, self._noise = replace(self.problem, forward=base.model, at=base.z), {}
         law = base.errors.law
-        self._size = (law.share, law.own) if law else None
+        self._size = (min(law.share, self.law_error), law.own) if law else None
         return replace(base, problem=self.problem)
 
     def explains(self, fit: Fit) -> bool:
