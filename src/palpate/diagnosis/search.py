@@ -145,7 +145,7 @@ class Search:
                 if not outside:
                     break
                 continue
-            far = outside and not self.explains(found[-1])
+            far = outside and self._fitter.falls_short(found[-1])
             if not (far or self._ends_outside(found[-1])):
                 break
         if not found:

@@ -219,6 +219,11 @@ class Fitter:
         within = law is None or law.share <= self.policy.finer_share
         return within and fit.misfit_ratio <= self.policy.finer_meshes
 
+    def falls_short(self, fit: Fit) -> bool:
+        """Return whether a fit leaves so much that its parameters cannot be those of the recordings."""
+        law = fit.errors.law
+        return fit.misfit_ratio > self.policy.refined or (law is not None and law.share > self.policy.finer_share)
+
     def near(self, fit: Fit) -> bool:
         """Return whether a fit is near to what noise leaves."""
         return float(fit.white @ fit.white) < self.policy.poor_fit * len(fit.white)
