@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from palpate.configuration.study_file import Condition
+from palpate.data.measures import error_measures, mean_square, relative
+from palpate.data.observation import Observation
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.coordinates import Coordinate, Coordinates
@@ -13,8 +15,6 @@ from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
 from palpate.inference.least_squares import Misfit
-from palpate.inference.measures import error_measures, mean_square, relative
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale

@@ -15,9 +15,9 @@ from palpate.inference.anchors import Anchor
 from palpate.inference.covariance import REFINED, errors, noise_of
 from palpate.inference.fidelity import COARSE, kept
 from palpate.inference.finite_elements import FiniteElements
-from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import simulate
+from palpate.solver.study_scale import middle, scale_of
 from palpate.study.protocol import Protocol
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"

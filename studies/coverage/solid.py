@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.configuration.study_file import Condition
+from palpate.data.observation import Observation
 from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.forward import Curves
-from palpate.inference.observation import Observation
 from studies.coverage.creep import burgers, depth
 
 RANGES = {

@@ -96,7 +96,7 @@ class Discrepancy:
             Median of the prior of its standard deviation [-].
         shares
             Relative change of a test's response where the depth under the same load changes, see
-            `palpate.study.quantity`; one where not given.
+            `palpate.observables.observable`; one where not given.
         """
         common, alone = _correlated(tuple(protocols), sharp)
         scale = np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])

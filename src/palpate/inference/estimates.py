@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from palpate.data.measures import error_measures
+from palpate.data.noise import NoiseModel
+from palpate.data.observation import Observation
 from palpate.inference.calibration_result import Estimate
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.explanation import Fit
-from palpate.inference.measures import error_measures
-from palpate.inference.noise import NoiseModel
-from palpate.inference.observation import Observation
 from palpate.inference.posterior import posterior_draws
 from palpate.inference.problem import Problem
 
@@ -117,7 +117,7 @@ def noise_table(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, floa
     for k, name in enumerate(problem.names):
         item = problem.recorded[name]
         rows[name] = {
-            f"sigma_{item.quantity.unit}": float(noise.sigma[k]) / problem.nm.get(name, 1.0),
+            item.quantity.observable.column("sigma"): float(noise.sigma[k]) / problem.nm[name],
             "correlation": float(noise.autocorrelation[k]),
             "site_scatter": float(np.sqrt(noise.variances["site"])) * abs(item.quantity.share),
             "replicates": len(item.response),

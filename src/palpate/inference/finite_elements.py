@@ -18,13 +18,13 @@ from functools import cached_property
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.anchors import Anchor, Anchors, anchors_at, richardson, richardson_at
 from palpate.inference.body_model import BodyModel
 from palpate.inference.coordinates import Coordinates
 from palpate.inference.fidelity import COARSE, FINE, MEDIUM, SEARCH, STUDY, Level, kept
 from palpate.inference.forward import Curves
-from palpate.inference.observation import Observation
 from palpate.inference.own_loads import brought_to_one_load
 from palpate.mechanisms import Mechanism, Scale
 from palpate.solver.variation import applied_to_body

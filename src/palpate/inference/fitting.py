@@ -16,6 +16,7 @@ from threading import Event
 
 import numpy as np
 
+from palpate.data.noise import NoiseModel
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
@@ -27,7 +28,6 @@ from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
-from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.starting_places import places
 from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
@@ -49,7 +49,7 @@ class Fitter:
         Median of the prior of the law's discrepancy [-]; 0 where the law is taken to be exact.
     policy
         How far a fit goes.
-    laws
+    constraints
         Amplitudes given by exact laws; they are data as well.
     """
 
@@ -58,7 +58,7 @@ class Fitter:
     solver_error: float
     law_error: float = 0.0
     policy: FitPolicy = field(default_factory=FitPolicy)
-    laws: tuple[AmplitudeConstraint, ...] = ()
+    constraints: tuple[AmplitudeConstraint, ...] = ()
     _residual_as_noise: np.ndarray = field(init=False, repr=False)
     _noise: dict[tuple[Amplitude, ...], NoiseModel] = field(init=False, repr=False)
     _size: tuple[float, float] | None = field(init=False, repr=False, default=None)
@@ -201,7 +201,7 @@ class Fitter:
             The errors of the mean curves.
         """
         curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
-        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
+        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.constraints, end.converged)
 
     def rest_on(self, base: Fit) -> Fit:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
@@ -301,13 +301,13 @@ class Fitter:
     ) -> Misfit:
         """Return how far curves lie from recorded ones, at the samples that are kept; by default at all."""
         problem = self.problem
-        nm = {name: problem.nm.get(name, 1.0) for name in problem.names}
+        nm = {name: problem.nm[name] for name in problem.names}
         keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
         measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
         kept = np.concatenate([keep[name] for name in problem.names])
         covariance = weighed.covariance[np.ix_(kept, kept)]
 
-        def from_laws(z: np.ndarray) -> np.ndarray:
-            return departures(self.laws, problem.amplitudes(explanation, z))
+        def from_constraints(z: np.ndarray) -> np.ndarray:
+            return departures(self.constraints, problem.amplitudes(explanation, z))
 
-        return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
+        return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_constraints)

@@ -41,7 +41,7 @@ class Misfit:
     covariance : ndarray, shape (n, n)
         Of the errors, one condition after the other [nm^2].
     nm
-        For each condition the depth [nm] to which a unit of the response amounts, see `palpate.study.quantity`.
+        For each condition the depth [nm] to which a unit of the response amounts, see `palpate.observables.observable`.
     coordinates
         Of the parameters.
     independent

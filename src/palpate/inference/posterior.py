@@ -171,6 +171,6 @@ class _Density:
             pairs = np.einsum("ni,nj->nij", features, features).reshape(len(features), -1)
             squares = pairs @ self.products.reshape(len(self.products), -1).T
             found[inside] = logsumexp(self.log_heights - 0.5 * squares, axis=1) - 0.5 * np.sum(beyond**2, axis=1)
-            if fit.laws:
-                found[inside] -= 0.5 * np.array([np.sum(fit.from_laws(row) ** 2) for row in points[inside]])
+            if fit.constraints:
+                found[inside] -= 0.5 * np.array([np.sum(fit.from_constraints(row) ** 2) for row in points[inside]])
         return found

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.base.interpolation import depth_at, load_at
 from palpate.errors import InputError
+from palpate.observables.depth import DEPTH
+from palpate.observables.observable import Observable, Quantity
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
-from palpate.study.quantity import DEPTH, Quantity
 
 ROLES = ("calibrate", "validate")
 WHOLE = 0.98  # of a condition's duration, what a recording of it covers at least
@@ -26,7 +26,7 @@ class Observation:
     time : ndarray, shape (n_points,)
         Sample times [s].
     response : ndarray, shape (n_replicates, n_points)
-        One curve for each recording, of depth [nm] or load [mN].
+        One curve for each recording, in the unit of the quantity.
     role
         ``calibrate``, or ``validate``: held out of the fit, to validate it.
     quantity
@@ -64,9 +64,9 @@ class Observation:
         time: np.ndarray,
         recordings: Sequence[Recording],
         role: str = "calibrate",
-        quantity: str = "depth",
+        observable: Observable = DEPTH.observable,
     ) -> Observation:
-        """Resample depths or loads of recordings on the sample times, see `palpate.base.interpolation`.
+        """Resample recordings on the sample times, see `palpate.observables.observable.Observable.of_recording`.
 
         Parameters
         ----------
@@ -76,8 +76,8 @@ class Observation:
             Replicates of one condition.
         role
             ``calibrate`` or ``validate``.
-        quantity
-            The response: ``depth`` or ``load``.
+        observable
+            What they are compared by; its scale is one, see `Quantity.of`.
 
         Raises
         ------
@@ -90,9 +90,8 @@ class Observation:
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
-        if quantity == "load":
-            return cls(time, np.array([load_at(time, r.time, r.load) for r in recordings]), role)
-        return cls(time, np.array([depth_at(time, r.time, r.depth) for r in recordings]), role)
+        rows = [observable.of_recording(time, each.time, each.load, each.depth) for each in recordings]
+        return cls(time, np.array(rows), role, Quantity(observable))
 
     @property
     def mean(self) -> np.ndarray:
