@@ -10,8 +10,8 @@ from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 from palpate.data.noise import LARGEST_UNREPLICATED_AUTOCORRELATION
 from palpate.diagnosis.detect import examine, filters, log_p, simulated_noise
 from palpate.diagnosis.screen import Screen
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.covariance import components, noise_of
+from palpate.models.coordinates import Coordinate, Coordinates
 
 
 def p_of(fit):

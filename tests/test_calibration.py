@@ -10,7 +10,6 @@ from palpate.data.measures import error_measures, mean_square, relative
 from palpate.data.observation import Observation
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
@@ -18,6 +17,7 @@ from palpate.inference.least_squares import Misfit
 from palpate.inference.problem import Problem
 from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale
+from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
 from palpate.surrogate.genetic import GeneticSettings

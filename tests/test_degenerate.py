@@ -11,9 +11,9 @@ from palpate.data.observation import Observation
 from palpate.diagnosis.detect import between_replicates, examine
 from palpate.diagnosis.screen import Screen
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.finite_elements import FiniteElements
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.models.finite_elements import FiniteElements
 from palpate.observables import OBSERVABLES, Quantity
 
 ELASTIC = {

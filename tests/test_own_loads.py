@@ -14,8 +14,8 @@ from palpate.configuration.study_file import load_study
 from palpate.data.study_recordings import check, resampled
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.errors import InputError, PalpateError
-from palpate.inference import own_loads
-from palpate.inference.own_loads import brought_to_one_load
+from palpate.models import own_loads
+from palpate.models.own_loads import brought_to_one_load
 from palpate.solver.simulation import simulate_batch
 from palpate.workflow_support.steps import calibrate_study, fit_surrogate
 

@@ -17,9 +17,9 @@ from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.search import Search
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
-from palpate.inference.coordinates import Coordinates
 from palpate.inference.problem import Problem
 from palpate.mechanisms import Scale
+from palpate.models.coordinates import Coordinates
 from palpate.solver.study_scale import longest_rise
 from palpate.study.protocol import Protocol, trapezoid
 

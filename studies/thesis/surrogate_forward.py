@@ -1,4 +1,4 @@
-"""Surrogates in place of the finite elements, as a `palpate.inference.forward.Forward`, within their bounds."""
+"""Surrogates in place of the finite elements, as a `palpate.models.forward.Forward`, within their bounds."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ import numpy as np
 from palpate.configuration.study_file import Condition
 from palpate.data.observation import Observation
 from palpate.errors import InputError
-from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.forward import Curves
 from palpate.mechanisms import Mechanism, Scale
+from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.models.forward import Curves
 from palpate.study.specification import Specification
 from palpate.surrogate.surrogates import Surrogates
 

@@ -32,7 +32,7 @@ class Observation:
     quantity
         What the curves are of.
     own
-        History of each replicate's own drive where they differ, see `palpate.inference.own_loads`; none where all
+        History of each replicate's own drive where they differ, see `palpate.models.own_loads`; none where all
         follow that of the condition.
     """
 

@@ -23,8 +23,8 @@ from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
 from palpate.errors import InputError
-from palpate.inference.own_loads import raise_failure
 from palpate.inference.problem import Problem
+from palpate.models.own_loads import raise_failure
 from palpate.recordings.recording import Recording
 from palpate.solver.study_scale import with_contact_sought
 

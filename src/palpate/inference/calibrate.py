@@ -23,9 +23,9 @@ from palpate.inference.estimates import (
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.last_steps import on_finer_meshes
-from palpate.inference.own_loads import raise_failure
 from palpate.inference.problem import Problem
 from palpate.inference.starting_places import scattered
+from palpate.models.own_loads import raise_failure
 from palpate.surrogate.genetic import GeneticSettings
 from palpate.surrogate.genetic_stage import genetic_search
 from palpate.surrogate.surrogates import Predictor, Surrogates
@@ -175,7 +175,7 @@ def base_fit(
     """Fit the base model from parameters by name, and from places scattered over the ranges.
 
     Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
-    estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
+    estimate, from which the search then goes on (`palpate.models.own_loads`); the problem is returned too. Without
     replicates noise cannot be distinguished from misfit: the fit comes as close to the curves as it can, with no
     factor of the site or of the solver free, and allows for a discrepancy; intervals allow for both, and take what the
     fit leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`.

@@ -30,9 +30,9 @@ from palpate.data.noise import NoiseModel
 from palpate.data.noise_fit import fit_noise
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.discrepancy import Discrepancy
-from palpate.inference.forward import Forward
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.models.forward import Forward
 from palpate.study.prescribed_segments import segments
 
 ASSUMED_RANDOM_WALK = 0.02  # nm/s^0.5, standard deviation of the walk after a second without replicates

@@ -1,4 +1,4 @@
-"""The state of one search for the least misfit, and when it ends."""
+"""One search for the least misfit: its state, when it ends, and the damped steps from where it is."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from threading import Event
 
 import numpy as np
 
-from palpate.inference.forward import Curves
+from palpate.inference.least_squares import Misfit
+from palpate.models.forward import Curves
 
 LARGEST_STEP = 1.0  # of the range of a parameter
+CORRECTIONS = 3  # fixed-point iterations of the second-order correction
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,3 +106,99 @@ class Descent:
         self.slopes = {n: slopes + np.outer(departure[n], step) / (step @ step) for n, slopes in self.slopes.items()}
         self.path.append(self.u)
         self.u, self.curves, self.exact = u, curves, False
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Damped steps of several lengths from one place, linear or with a second-order correction.
+
+    Parameters
+    ----------
+    misfit
+    u : ndarray, shape (k,)
+    weights : ndarray, shape (n, n)
+        Matrix that whitens curves.
+    residual, slopes : ndarray, shape (n + k + m,) and (n + k + m, k)
+        Weighted; they include those of the prior and of independent measurements.
+    """
+
+    misfit: Misfit
+    u: np.ndarray
+    weights: np.ndarray
+    residual: np.ndarray
+    slopes: np.ndarray
+
+    @classmethod
+    def of(cls, misfit: Misfit, search: Descent, remainder: float | None = None) -> Steps:
+        """Return the steps from where a search is, weighted with a remainder [nm^2]; by default with that there."""
+        if remainder is None:
+            remainder = misfit.remainder(misfit.residual(search.curves))
+        weights = misfit.weights(remainder)
+        residual = np.append(weights @ misfit.residual(search.curves), misfit.of_parameters(search.u))
+        slopes = np.vstack([weights @ misfit.stacked(search.slopes), misfit.slopes_of_parameters(search.u)])
+        return cls(misfit, search.u, weights, residual, slopes)
+
+    def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
+        """Return `count` places (k,) to try, and the lengths of the steps there.
+
+        Each is half as long as the one before, and has the second-order correction from the last step, if there is one.
+        """
+        lengths = search.length * 0.5 ** np.arange(count)
+        ends = [self.end(length) for length in lengths]
+        if search.last is not None:
+            step, departure = search.last
+            weighed = self.weights @ self.misfit.stacked(departure)
+            second = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
+            ends = [self._corrected(second, step, end, length) for end, length in zip(ends, lengths, strict=True)]
+        return list(zip(ends, lengths, strict=True))
+
+    def _corrected(self, second: np.ndarray, step: np.ndarray, end: np.ndarray, length: float) -> np.ndarray:
+        """Correct a step to `end` by a departure of the curves quadratic in its component along the last `step`."""
+        for _ in range(CORRECTIONS):
+            end = self.end(length, (step @ (end - self.u)) ** 2 * second)
+        return end
+
+    def end(self, length: float, departure: np.ndarray | float = 0.0) -> np.ndarray:
+        """Return the coordinates (k,) at the end of the step of this length.
+
+        A coordinate that would cross its limit is held there, the first one first, and the others are solved for again.
+
+        Parameters
+        ----------
+        departure : ndarray, shape (n + k + m,)
+            Of the weighted curves there from their linear prediction.
+        """
+        least, largest = self.misfit.coordinates.limits
+        free, step = np.ones(len(self.u), dtype=bool), np.zeros(len(self.u))
+        while free.any():
+            held = self.slopes[:, ~free] @ step[~free]
+            step[free] = _limited(self.slopes[:, free], self.residual + departure + held, length)
+            room = np.where(step > 0.0, largest, least) - self.u
+            beyond = free & (np.abs(step) > np.abs(room))
+            if not beyond.any():
+                break
+            first = int(np.argmin(np.divide(room, step, out=np.full(len(step), np.inf), where=beyond)))
+            step[first], free[first] = room[first], False
+        return np.clip(self.u + step, least, largest)
+
+    def predicted_decrease(self, end: np.ndarray) -> float:
+        """Return the decrease of chi^2 that the linear model predicts for a step to coordinates (k,)."""
+        left = self.residual + self.slopes @ (end - self.u)
+        return float(self.residual @ self.residual - left @ left)
+
+
+def _limited(slopes: np.ndarray, residual: np.ndarray, length: float) -> np.ndarray:
+    """Return the damped step (k,) none of whose components exceeds the length."""
+    values, directions = np.linalg.eigh(slopes.T @ slopes)
+    pull, largest = directions.T @ (-slopes.T @ residual), max(float(values[-1]), 1e-300)
+
+    def step(damping: float) -> np.ndarray:
+        return directions @ (pull / (np.maximum(values, 0.0) + damping))
+
+    low, high = 1e-10 * largest, 1e10 * largest
+    if np.abs(step(low)).max() <= length:
+        return step(low)
+    for _ in range(60):
+        middle = np.sqrt(low * high)
+        low, high = (middle, high) if np.abs(step(middle)).max() > length else (low, middle)
+    return step(high)

@@ -13,12 +13,12 @@ from scipy.special import logsumexp
 from palpate.base.orthonormal import orthonormal
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures, widenings
-from palpate.inference.coordinates import Coordinates
 from palpate.inference.covariance import Errors
 from palpate.inference.discrepancy import Marginal
-from palpate.inference.forward import Forward, under_each
 from palpate.inference.least_squares import central_slopes, remainder
 from palpate.inference.problem import Explanation, Problem
+from palpate.models.coordinates import Coordinates
+from palpate.models.forward import Forward, under_each
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior

@@ -20,17 +20,16 @@ from palpate.data.noise import NoiseModel
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
-from palpate.inference.between_conditions import with_own_values
 from palpate.inference.covariance import Errors, errors, noise_of, of_mesh
 from palpate.inference.descent import Descent, Until
-from palpate.inference.effects import effects_at
+from palpate.inference.errors_at_end import effects_at, with_own_values
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
-from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.starting_places import places
 from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
+from palpate.models.forward import Forward
 
 
 @dataclass(eq=False)

@@ -3,7 +3,7 @@
 The model of record rests on a mesh that is finer by one degree than the study's. Its curves of creeping bodies err by
 some 0.07 % of the depth, which moved the estimates of four cases of the blind trial by up to 1.3 standard deviations,
 and left 2.4 to 4.3 standard deviations of the noise in the residual. So a fit that explains replicates ends with curves
-of a mesh that is finer by two degrees, extrapolated where the fit arrived (`palpate.inference.anchors.richardson`). The
+of a mesh that is finer by two degrees, extrapolated where the fit arrived (`palpate.models.anchors.richardson`). The
 same part of the depth serves other explanations meanwhile: with a film it leaves a quarter of the error, with a rounded
 tip half.
 """
@@ -16,8 +16,8 @@ from palpate.errors import PalpateError
 from palpate.inference.descent import Descent, Until
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
-from palpate.inference.forward import Curves, Forward
 from palpate.inference.trust_region import descend, gauss_newton
+from palpate.models.forward import Curves, Forward
 
 
 def on_finer_meshes(fitter: Fitter, fit: Fit) -> Fit:

@@ -1,6 +1,6 @@
 r"""Weighted least squares of simulated curves against recorded ones, with a prior.
 
-What is minimised, in coordinates u with the prior of `palpate.inference.coordinates`, is
+What is minimised, in coordinates u with the prior of `palpate.models.coordinates`, is
 
     chi^2(u) = r^T (C + d^2 I)^-1 r + sum beyond(u)^2,    r = simulated - recorded depth,
 
@@ -22,8 +22,8 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import brentq
 
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.forward import Curves, Forward
+from palpate.models.coordinates import Coordinates
+from palpate.models.forward import Curves, Forward
 
 STEP = 1e-4  # of a range, over which departures from independent measurements are differenced
 BEYOND_ANY = 1e6  # times the mean square of the residual, an upper bound of the remainder

@@ -1,7 +1,7 @@
 """The data of a diagnosis: mean curves, and a forward model to which any set of mechanisms can be added.
 
 Coordinates of an explanation are those of the free material parameters, followed by those of its mechanisms'
-amplitudes, see `palpate.inference.coordinates`. All curves are in nm: other observables than depth are converted to
+amplitudes, see `palpate.models.coordinates`. All curves are in nm: other observables than depth are converted to
 equivalent depths (`palpate.observables.observable`), so that noise, drift and misfit of all conditions have one unit.
 """
 
@@ -18,10 +18,10 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.finite_elements import FiniteElements
-from palpate.inference.forward import Curves, Forward
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.models.finite_elements import FiniteElements
+from palpate.models.forward import Curves, Forward
 from palpate.observables.depth import DEPTH
 from palpate.solver.study_scale import scale_of
 from palpate.solver.variation import added_by_instrument
@@ -67,7 +67,7 @@ class Problem:
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
         """Return the problem with each replicate brought to the load of its condition, with the material's `values`.
 
-        See `palpate.inference.own_loads`.
+        See `palpate.models.own_loads`.
         """
         if not any(item.own for item in self.recorded.values()):
             return self

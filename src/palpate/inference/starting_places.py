@@ -9,9 +9,9 @@ from scipy.stats import qmc
 
 from palpate.inference.descent import Descent, Until
 from palpate.inference.fit_policy import FitPolicy
-from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.trust_region import descend
+from palpate.models.forward import Forward
 
 
 def scattered(number: int, policy: FitPolicy, rng: np.random.Generator) -> list[np.ndarray]:

@@ -27,10 +27,9 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.errors import PalpateError
-from palpate.inference.damped_steps import Steps
-from palpate.inference.descent import LARGEST_STEP, Descent, Until
-from palpate.inference.forward import Curves, Forward
+from palpate.inference.descent import LARGEST_STEP, Descent, Steps, Until
 from palpate.inference.least_squares import Misfit
+from palpate.models.forward import Curves, Forward
 
 SHORTEST_STEP = 1e-3  # of the range of a parameter
 GROWTH = 4.0  # of the next steps' length over one that the slopes predicted well, which is still among those tried

@@ -15,8 +15,8 @@ from palpate.data.observation import Observation
 from palpate.data.study_recordings import observations
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import CalibrationOutcome
-from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
+from palpate.models.own_loads import brought_to_one_load
 from palpate.observables import OBSERVABLES
 from palpate.solver import store
 from palpate.surrogate import PODRBF
