@@ -365,18 +365,24 @@ def test_a_depth_that_no_indentation_has_is_told(depth, role):
 
 def test_recordings_are_resampled_on_the_sample_times():
     fine = np.linspace(0.0, 1.0, 501)
-    seen = Observation.from_recordings(T, [Recording(fine, 2 * fine, 300 * fine)] * 2)
-    assert seen.response == pytest.approx(np.tile(300 * T, (2, 1)))
+    seen = Observation.from_recordings(PROTOCOL, [Recording(fine, 2 * fine, 300 * fine)] * 2)
+    assert seen.response == pytest.approx(np.tile(300 * T, (2, 1)), abs=0.01)
     with pytest.raises(InputError, match=r"ends at 0\.5 s"):
-        Observation.from_recordings(T, [Recording(fine / 2, fine, fine, name="P_1")])
+        Observation.from_recordings(PROTOCOL, [Recording(fine / 2, fine, fine, name="P_1")])
 
 
 def test_few_points_of_a_sharp_tips_curve_tell_it_between_them():
-    """Depth goes with the root of the load; what lies below zero, as a zero point may, keeps its sign."""
-    few = np.linspace(0.0, 1.0, 11)[1:]
+    """Depth goes with the root of the load, and back with a power of it; straight lines err by 5 nm here."""
+    few = np.linspace(0.0, 1.0, 41)[1:]
+
+    def depth(time):
+        load = PROTOCOL.drive_at(time)
+        return np.where(time <= 0.5, 300 * np.sqrt(load), 200 + 100 * load**0.65)
+
     for sign in (1, -1):
-        seen = Observation.from_recordings(T, [Recording(few, 2 * few, sign * 300 * np.sqrt(few))])
-        assert seen.response[0] == pytest.approx(sign * 300 * np.sqrt(T))
+        seen = Observation.from_recordings(PROTOCOL, [Recording(few, 2 * few, sign * depth(few))])
+        assert seen.response[0] == pytest.approx(sign * depth(T), abs=1.0)
+    assert np.abs(np.interp(T, few, depth(few)) - depth(T)).max() > 5.0
 
 
 def test_what_cannot_be_calibrated_is_refused():

@@ -43,7 +43,7 @@ def scaled(tests):
 
 
 def of_replicates(tests):
-    observed = {c.name: Observation.from_recordings(c.protocol.sample_time, rs) for c, rs in tests}
+    observed = {c.name: Observation.from_recordings(c.protocol, rs) for c, rs in tests}
     return {fact.fact.split(" of ")[1].split(",")[0]: fact for fact in replicate_facts.differences(observed)}
 
 

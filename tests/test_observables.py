@@ -47,7 +47,7 @@ def test_a_recording_gives_what_the_simulation_gave(name, simulated):
         load, depth = observable.recorded(protocol, curve, larger)
         time, load, depth = (np.append(0.0, values) for values in (curve.time, load, depth))
         assert protocol.drive_of(load[1:], depth[1:]) == pytest.approx(protocol.sample_drive, rel=1e-6, abs=1e-6)
-        read = observable.of_recording(protocol.sample_time, time, load, depth)
+        read = observable.of_recording(protocol, time, load, depth)
         assert read == pytest.approx(larger, rel=1e-6, abs=1e-9)
 
 

@@ -9,6 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 SMOOTH = 3  # knots between two corners, from which on a curve is smooth there
 SAME = 1e-9  # of the time, within which a knot lies at a corner
+STAYING = 1e-3  # of the way of a root that goes up once, for the time of a whole test
 
 
 def smooth_between(corners: np.ndarray, time: np.ndarray, knots: np.ndarray, columns: np.ndarray) -> np.ndarray:
@@ -41,14 +42,42 @@ def smooth_between(corners: np.ndarray, time: np.ndarray, knots: np.ndarray, col
     return found
 
 
-def depth_at(moments: np.ndarray, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Return the depth (m,) at some moments (m,) of a curve that starts at (0, 0), by its points at times (n,).
+def depth_at(
+    moments: np.ndarray, time: np.ndarray, depth: np.ndarray, corners: np.ndarray, drive: np.ndarray
+) -> np.ndarray:
+    """Return the depth at some moments of a curve that starts at (0, 0), smooth between the corners of its history.
 
-    Between points the square of the depth is linear, as that of a sharp tip is while the load grows evenly: straight
-    lines through few points of a curve that begins like a root would lie below it by many nanometres.
+    The depth of a sharp tip goes about with the root of the load: from the start of loading on, and to the end of
+    unloading, where cones recover like the root and creeping bodies like a power of 0.6 to 0.7. So points are joined
+    along the way that the root of the drive has gone, by monotone cubics (PCHIP). Straight lines in time through the
+    160 points of a test would err by 1.4 nm of 1600 before the end of unloading.
+
+    Parameters
+    ----------
+    moments : ndarray, shape (m,)
+        Where it is asked for [s].
+    time, depth : ndarray, shape (n,)
+        Points of the curve [s], [nm].
+    corners, drive : ndarray, shape (c,)
+        Corners of the history [s], and what drives the test there, the load or the displacement.
     """
-    square = np.interp(moments, np.append(0.0, time), np.append(0.0, depth * np.abs(depth)))
-    return np.sign(square) * np.sqrt(np.abs(square))
+    after = time > 0.0
+    points, values = np.append(0.0, time[after]), np.append(0.0, depth[after])
+    asked, known, ends = (_way_of_root(each, corners, drive) for each in (moments, points, corners))
+    return smooth_between(ends, asked, known, values[:, None])[:, 0]
+
+
+def _way_of_root(time: np.ndarray, corners: np.ndarray, drive: np.ndarray) -> np.ndarray:
+    """Return how far the root of the drive has gone up and down at times (n,), as a share of its largest value.
+
+    While it stays the time counts a little.
+    """
+    largest = float(np.abs(drive).max()) or 1.0
+    roots = np.sqrt(np.abs(drive) / largest)
+    gone = np.append(0.0, np.cumsum(np.abs(np.diff(roots))))
+    last = np.clip(np.searchsorted(corners, time, side="right") - 1, 0, len(corners) - 1)
+    root = np.sqrt(np.abs(np.interp(time, corners, drive)) / largest)
+    return gone[last] + np.abs(root - roots[last]) + STAYING * time / corners[-1]
 
 
 def load_at(moments: np.ndarray, time: np.ndarray, load: np.ndarray) -> np.ndarray:

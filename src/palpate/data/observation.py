@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.errors import InputError
+from palpate.observables import Observable, Quantity, response_to
 from palpate.observables.depth import DEPTH
-from palpate.observables.observable import Observable, Quantity
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
 
@@ -61,36 +61,38 @@ class Observation:
     @classmethod
     def from_recordings(
         cls,
-        time: np.ndarray,
+        protocol: Protocol,
         recordings: Sequence[Recording],
         role: str = "calibrate",
-        observable: Observable = DEPTH.observable,
+        observable: Observable | None = None,
     ) -> Observation:
         """Resample recordings on the sample times, see `palpate.observables.observable.Observable.of_recording`.
 
         Parameters
         ----------
-        time : ndarray, shape (n_points,)
-            Sample times [s].
+        protocol
+            History of the condition.
         recordings
             Replicates of one condition.
         role
             ``calibrate`` or ``validate``.
         observable
-            What they are compared by; its scale is one, see `Quantity.of`.
+            What they are compared by, at a scale of one (`Quantity.of`); by default the response to the drive.
 
         Raises
         ------
         InputError
             When a recording ends before the last sample time by more than 2 % of the test.
         """
+        time = protocol.sample_time
         for recording in recordings:
             if recording.time[-1] < WHOLE * time[-1]:
                 raise InputError(
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
-        rows = [observable.of_recording(time, each.time, each.load, each.depth) for each in recordings]
+        observable = observable or response_to(protocol)
+        rows = [observable.of_recording(protocol, each.time, each.load, each.depth) for each in recordings]
         return cls(time, np.array(rows), role, Quantity(observable))
 
     @property

@@ -207,7 +207,7 @@ def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str,
         if condition.own_loads:
             own = tuple(own_protocol(protocol, recording) for recording in recordings)
             recordings = [stretched(protocol, recording) for recording in recordings]
-        item = Observation.from_recordings(protocol.sample_time, recordings, condition.role, condition.observable)
+        item = Observation.from_recordings(protocol, recordings, condition.role, condition.observable)
         quantity = Quantity.of(condition.observable, protocol, study.indenter, item.mean)
         found[key] = replace(item, quantity=quantity, own=own)
     return found

@@ -158,19 +158,30 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
 
 
 def _compare_on_finer_meshes(search: Search, found: Explanations, report: Callable[[str], None]) -> None:
-    """Finish the fits that come close to the likeliest, with the special cases of the best set refitted from there."""
+    """Finish the fits that come close to the likeliest, with the special cases of the best set refitted from there.
+
+    What finer meshes change belongs to a mechanism and not to those beside it, for the greatest part (adhesion and
+    friction act at the edge of contact, which a mesh resolves). So a set takes over the change of its largest part that
+    is finished, and is finished itself where it is not negligible after that.
+    """
     best = max(found.fitted, key=found.log_weight)
     for explanation, z in _special_cases(search, found.fitted[best].fit):
         try:
             found.add(search.candidate(search.fitted(explanation, [z], found.fitted[best].fit.curve)))
         except PalpateError as error:
             report(f"{'+'.join(explanation)} again: {error}")
-    least = max(map(found.log_weight, found.fitted)) - search.policy.compared
-    for members in [members for members in found.fitted if found.log_weight(members) >= least]:
+    to_finish = set(found.fitted)
+    while to_finish:
+        members = max(to_finish, key=found.log_weight)
+        part_is_finished = found.follow_change(members)
+        behind = max(map(found.log_weight, found.fitted)) - found.log_weight(members)
+        to_finish.remove(members)
+        if behind > (-np.log(search.policy.negligible) if part_is_finished else search.policy.compared):
+            continue
         candidate = found.fitted[members]
         finished = search.finished(candidate)
         if finished is not candidate:
-            found.fitted[members] = finished
+            found.finish(members, finished)
             name = "+".join(sorted(members)) or "base model"
             report(f"{name} in the end: log evidence {finished.fit.log_evidence:.1f}")
 

@@ -43,11 +43,16 @@ class Explanations:
     estimated
         Of sets that were not fitted the smaller set from which they were estimated, and what the mechanism that joins
         adds to its log evidence to first order.
+    on_finer_meshes
+        What finer meshes change in the log evidence of a fitted set: of those that were finished, and as expected of
+        others.
     """
 
     considered: int
     fitted: dict[Members, Candidate] = field(default_factory=dict)
     estimated: dict[Members, tuple[Members, float]] = field(default_factory=dict)
+    on_finer_meshes: dict[Members, float] = field(default_factory=dict)
+    finished: set[Members] = field(default_factory=set)
 
     def add(self, candidate: Candidate) -> None:
         """Add a fit; of one set the likeliest counts, and one that an exact law contradicts does not."""
@@ -65,14 +70,32 @@ class Explanations:
         if before is None or self.fitted[smaller].fit.log_evidence + gain > self._estimate(*before):
             self.estimated[members] = smaller, gain
 
+    def finish(self, members: Members, candidate: Candidate) -> None:
+        """Put the end of a fit on finer meshes in its place."""
+        self.on_finer_meshes[members] = candidate.fit.log_evidence - self.fitted[members].fit.log_evidence
+        self.fitted[members] = candidate
+        self.finished.add(members)
+
+    def follow_change(self, members: Members) -> bool:
+        """Let a set take over the change of its largest part that is finished; return whether there is one."""
+        parts = [each for each in self.finished if each < members]
+        if parts:
+            self.on_finer_meshes[members] = self.on_finer_meshes[max(parts, key=len)]
+        return bool(parts)
+
+    def _evidence(self, members: Members) -> float:
+        """Return the log evidence of a fitted set, on finer meshes as far as that is known."""
+        expected = 0.0 if members in self.finished else self.on_finer_meshes.get(members, 0.0)
+        return self.fitted[members].fit.log_evidence + expected
+
     def _estimate(self, smaller: Members, gain: float) -> float:
-        return self.fitted[smaller].fit.log_evidence + gain
+        return self._evidence(smaller) + gain
 
     def log_weight(self, members: Members) -> float:
         """Return the logarithm of evidence times prior of a set."""
         if members in self.fitted:
             candidate = self.fitted[members]
-            found = -np.inf if candidate.contradicts else candidate.fit.log_evidence
+            found = -np.inf if candidate.contradicts else self._evidence(members)
         else:
             found = self._estimate(*self.estimated[members])
         return found + log_prior(len(members), self.considered)

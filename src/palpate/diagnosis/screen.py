@@ -22,6 +22,7 @@ from palpate.inference.amplitude import Amplitude
 from palpate.inference.explanation import DENSITY_ONE, PRIOR_VARIANCE, Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.models.coordinates import CAUCHY, CAUCHY_WEIGHTS
 from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
@@ -29,6 +30,7 @@ SIMULATED = (0.05, 0.25, SHOWN, 1.0)  # of the range of a single amplitude
 ADDED = np.linspace(0.0, 1.0, 9)
 SCATTERED = 8  # places for several quantities
 ADDED_SCATTERED = 32
+EVEN_DEVIATION = 1.0 / np.sqrt(12.0)  # of an even prior, in widths of the range
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
 NEUTRAL = 0.02  # of a range, within which an amplitude counts as none
 STARTS = 3  # amplitudes of least misfit, at which a search may begin
@@ -84,8 +86,8 @@ class Screen:
         """Return the log evidence once a mechanism joins a fit, to first order.
 
         Each simulated effect is taken in proportion to a positive coefficient, with the mean square that an even prior
-        over the range gives it; the material and the size of the law's discrepancy are integrated over. The evidence is
-        the mean over the amplitudes tried.
+        over the range gives it, or Cauchy's prior; the material and the size of the law's discrepancy are integrated
+        over. The evidence is the mean over the amplitudes tried.
         An amplitude that differs between recordings has another one in each condition, too.
         """
         columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
@@ -96,10 +98,11 @@ class Screen:
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
         found = []
-        for number, variance in enumerate(self._prior_variances(fit, key)):
+        for number, variances in enumerate(self._prior_variances(fit, key)):
             trial = marginal.of_columns([*range(first), first + number])
-            shared = np.append(np.full(k, DENSITY_ONE), variance)
-            found.append(logsumexp(trial.log_prior + trial.log_densities(shared, positive=True)))
+            for weight, variance in variances:
+                shared = np.append(np.full(k, DENSITY_ONE), variance)
+                found.append(weight + logsumexp(trial.log_prior + trial.log_densities(shared, positive=True)))
         if own.shape[1]:
             each = marginal.of_columns([*range(first), *range(first + count, first + count + own.shape[1])])
             spread = np.append(np.full(k, DENSITY_ONE), np.ones(own.shape[1]))
@@ -109,25 +112,32 @@ class Screen:
         mass = fit.problem.coordinates((key,)).log_mass(fit.problem.material)
         return fit.log_evidence + float(logsumexp(found)) - np.log(count) - float(without) - mass
 
-    def _prior_variances(self, fit: Fit, key: str) -> np.ndarray:
-        """Return the prior variance (m,) of the coefficient of each trial, one where there are several quantities.
+    def _prior_variances(self, fit: Fit, key: str) -> list[list[tuple[float, float]]]:
+        """Return the logarithms of weights and the variances that make the prior of the coefficient of each trial.
 
         Where the amplitude is even over the range, its mean square about the neutral value is a third of the square of
-        the way to the farther end.
+        the way to the farther end. Where there are several quantities, their even ranges are sampled by the trials.
         """
-        places = self.trials[key]
-        if places.shape[1] > 1:
-            return np.ones(len(places))
-        coordinate = fit.problem.coordinates((key,)).free[fit.problem.material]
-        name = coordinate.name.split(".")[1]
-        neutral = MECHANISMS[key].neutral.get(name, coordinate.lower)
+        places, coordinates = self.trials[key], fit.problem.coordinates((key,))
+        added = coordinates.free[fit.problem.material :]
+        parts = list(zip(np.log(CAUCHY_WEIGHTS), CAUCHY, strict=True))
+        if len(added) > 1 and len(coordinates.cauchy):
+            share = float(np.mean(coordinates.cauchy_sizes)) / EVEN_DEVIATION
+            return [[(float(weight), (size * share) ** 2) for weight, size in parts]] * len(places)
+        if len(added) > 1:
+            return [[(0.0, 1.0)]] * len(places)
+        (coordinate,) = added
+        neutral = MECHANISMS[key].neutral.get(coordinate.name.split(".")[1], coordinate.lower)
         start = float(np.clip(coordinate.scaled(neutral), 0.0, 1.0))
         away = np.maximum(np.abs(places[:, 0] - start), NEUTRAL)
-        return (max(start, 1.0 - start) / away) ** 2 / 3.0
+        if len(coordinates.cauchy):
+            (typical,) = coordinates.cauchy_sizes
+            return [[(float(weight), (size * typical / each) ** 2) for weight, size in parts] for each in away]
+        return [[(0.0, (max(start, 1.0 - start) / each) ** 2 / 3.0)] for each in away]
 
     def _typical(self, fit: Fit, key: str) -> np.ndarray:
-        """Return the size (m,) of the columns of `Problem.own_values`: a tenth of the largest plausible amplitude."""
-        sizes = [0.1 * fit.problem.largest(amplitude) for amplitude in fit.problem.typical(key)]
+        """Return the size (m,) of the columns of `Problem.own_values`: the typical one of an amplitude."""
+        sizes = [fit.problem.typical_size(amplitude) for amplitude in fit.problem.typical(key)]
         return np.tile(sizes, len(fit.problem.conditions))
 
     def with_effect(self, fit: Fit, key: str) -> Fit:

@@ -8,7 +8,7 @@ with h_m the largest depth so far, by which a recovered depth is measured, too. 
 deviation `share` (M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425-464). Its structure is that of the
 physics. A sharp tip on a homogeneous body has no length, so depth / sqrt(load) is a functional of the history up to
 now alone, whatever the law: of the present time t, since the law may know times of its own, and of the normalised
-history p(s) = P(t (1 - s)) / max P. So is x, and a functional that is smooth has close values at close histories:
+history p(s) = (P(t (1 - s)) / max P)^(1/2), the depth of an elastic cone. So is x, and a functional that is smooth has close values at close histories:
 
     corr(x, x') = exp(-(ln t - ln t')^2 / (2 a^2) - mean (p(s) - p'(s))^2 / (2 b^2)).
 
@@ -36,7 +36,7 @@ from palpate.study.protocol import Protocol
 
 LAW_ERROR = 0.0025  # share of the depth, median of the prior; see docs/inference.md for the wrong laws that it rests on
 TIMES = 0.8  # a, of the logarithm of time: fits of linear solids to power, logarithmic and stretched creep leave this
-HISTORIES = 0.25  # b, of the normalised load: the same
+HISTORIES = 0.25  # b, of the root of the normalised load: the same
 LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
 AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
 DROPPED = 1e-4  # of the variance of x, below which columns are left out
@@ -155,7 +155,7 @@ def features(protocol: Protocol, sharp: bool) -> np.ndarray:
     before = protocol.drive_at(np.outer(time, 1.0 - AGO).ravel()).reshape(len(time), -1)
     knots = np.interp(time, protocol.knot_time, np.maximum.accumulate(protocol.knot_drive))
     largest = np.maximum(np.maximum(knots, protocol.sample_drive), 1e-9 * protocol.largest_drive)
-    history = before / largest[:, None] / np.sqrt(len(AGO))
+    history = np.sqrt(before / largest[:, None] / len(AGO))
     lengths = np.zeros(len(time)) if sharp else np.log(largest) / LOADS
     return np.column_stack([np.log(time) / TIMES, history / HISTORIES, lengths])
 
@@ -231,6 +231,12 @@ class Marginal:
     def of_columns(self, places: Sequence[int]) -> Marginal:
         """Return the same for some of the columns."""
         return replace(self, products=self.products[:, places][:, :, places])
+
+    def from_elsewhere(self, places: np.ndarray, moves: np.ndarray) -> Marginal:
+        """Return the same with the first column where the coefficients of those at `places` have made `moves` (p,)."""
+        moved = np.eye(self.products.shape[1])
+        moved[places, 0] = -moves
+        return replace(self, products=moved.T @ self.products @ moved)
 
     def log_densities(self, variance: float | np.ndarray, moves: bool = True, positive: bool = False) -> np.ndarray:
         """Return the log density (q,) of the first column at each node, the coefficients of the others integrated over.

@@ -203,15 +203,28 @@ class Fit:
         """
         found = Marginal.of(self.factor_of_known, self.errors.law, columns)
         beyond = self.coordinates.beyond(self.z)
+        beyond[self.coordinates.cauchy] = 0.0
         slopes = np.vstack([np.diag(1.0 * (beyond != 0.0)), self.constraint_tangent])
         rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(self.z)))
         return found.with_data(np.column_stack([-np.append(beyond, self.from_constraints(self.z)), slopes, rest]))
 
     @cached_property
     def _sizes(self) -> tuple[Marginal, np.ndarray]:
-        """The nodes of the discrepancy's size, and the logarithm of evidence times prior at each (q,)."""
+        """The nodes of the discrepancy's size, and the logarithm of evidence times prior at each (q,).
+
+        Coordinates with an even prior are integrated over about the best point, those with Cauchy's about its middle,
+        from where the curves are linear; where the search did not converge, that prior counts at the point reached.
+        """
         marginal = self.marginal(np.column_stack([self.residual, self.tangent]))
-        return marginal, marginal.log_prior + marginal.log_densities(DENSITY_ONE, self.converged)
+        cauchy = self.coordinates.cauchy
+        if not self.converged:
+            prior = float(self.coordinates.log_cauchy(self.z))
+            return marginal, marginal.log_prior + marginal.log_densities(DENSITY_ONE, False) + prior
+        about = marginal.from_elsewhere(cauchy + 1, 0.5 - self.z[cauchy])
+        variance, found = np.full(len(self.z), DENSITY_ONE), []
+        for weight, variance[cauchy] in self.coordinates.cauchy_mixture():
+            found.append(weight + about.log_densities(variance))
+        return marginal, marginal.log_prior + logsumexp(found, axis=0)
 
     def sized(self) -> Fit:
         """Return the same with the likeliest size of the law's discrepancy, the parameters integrated over."""

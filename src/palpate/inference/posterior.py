@@ -169,9 +169,11 @@ class _Density:
         inside = np.all((points >= least) & (points <= largest), axis=1)
         if inside.any():
             features, beyond = self.curvature.features(points[inside]), fit.coordinates.beyond(points[inside])
+            beyond[:, fit.coordinates.cauchy] = 0.0
             pairs = np.einsum("ni,nj->nij", features, features).reshape(len(features), -1)
             squares = pairs @ self.products.reshape(len(self.products), -1).T
             found[inside] = logsumexp(self.log_heights - 0.5 * squares, axis=1) - 0.5 * np.sum(beyond**2, axis=1)
+            found[inside] += fit.coordinates.log_cauchy(points[inside])
             if fit.constraints:
                 found[inside] -= 0.5 * np.array([np.sum(fit.from_constraints(row) ** 2) for row in points[inside]])
         return found

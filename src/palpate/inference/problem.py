@@ -229,6 +229,11 @@ class Problem:
         plausible = MECHANISMS[amplitude.key].searched(self.scale)[amplitude.name]
         return max(abs(plausible.lower), abs(plausible.upper))
 
+    def typical_size(self, amplitude: Amplitude) -> float:
+        """Return the typical value of an amplitude, of either sign."""
+        plausible = MECHANISMS[amplitude.key].searched(self.scale)[amplitude.name]
+        return 0.1 * self.largest(amplitude) if plausible.typical is None else plausible.typical
+
 
 @lru_cache(maxsize=64)
 def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]:

@@ -49,6 +49,9 @@ class Scale:
 class Range:
     """Amplitudes that a diagnosis considers, uniform between the ends; with `log`, their logarithms are.
 
+    With a `typical` size they have Cauchy's distribution about the middle instead, as errors of instruments do: most of
+    them are small, and some are far larger.
+
     Parameters
     ----------
     lower, upper
@@ -59,6 +62,8 @@ class Range:
         Of a quantity that is not a parameter.
     proportional
         Whether the effect grows about in proportion to the quantity, from none at zero, the lower end.
+    typical
+        Distance from the middle within which half of all instruments lie; none where the prior is even.
     """
 
     lower: float
@@ -69,6 +74,7 @@ class Range:
     unit: str = "-"
     meaning: str = ""
     proportional: bool = False
+    typical: float | None = None
 
 
 def unchanged_specification(specification: Specification, values: Values) -> Specification:
@@ -194,10 +200,14 @@ class Mechanism:
         return self.acts_on_body or (control != LOAD and self.record is not unchanged_depth)
 
     def searched(self, scale: Scale) -> dict[str, Range]:
-        """Return the ranges that a diagnosis searches: those that the study states, else the plausible ones."""
+        """Return the ranges that a diagnosis searches: those that the study states, else the plausible ones.
+
+        A range that is stated for an instrument holds half of the prior, whose middle it moves.
+        """
         ranges = dict(self.plausible(scale))
         for name, (lower, upper) in scale.stated.get(self.key, {}).items():
-            ranges[name] = replace(ranges[name], lower=lower, upper=upper)
+            typical = None if ranges[name].typical is None else 0.5 * (upper - lower)
+            ranges[name] = replace(ranges[name], lower=lower, upper=upper, typical=typical)
         return ranges
 
     def limits(self, name: str, searched: Range) -> tuple[float, float]:

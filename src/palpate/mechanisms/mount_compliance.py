@@ -9,8 +9,8 @@ from __future__ import annotations
 from palpate.base.parameters import Parameter
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.draws import signed
-from palpate.mechanisms.frame_compliance import record
-from palpate.mechanisms.mechanism import Mechanism, Range
+from palpate.mechanisms.frame_compliance import plausible, record
+from palpate.mechanisms.mechanism import Mechanism
 
 MECHANISM = Mechanism(
     key="mount_compliance",
@@ -21,7 +21,7 @@ MECHANISM = Mechanism(
     neutral={"compliance": 0.0},
     example={"compliance": 5.0},
     source="Jakes et al., J. Mater. Res. 23 (2008) 1113-1127 (structural compliance)",
-    plausible=lambda s: {"compliance": Range(-0.3 * s.depth / s.load, 0.3 * s.depth / s.load)},
+    plausible=plausible,
     concealed=lambda rng: {"compliance": signed(rng, 0.1, 5.0)},
     record=record,
     varies=True,

@@ -16,6 +16,7 @@ from palpate.base.parameters import Parameter
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.draws import log_uniform, signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
+from palpate.mechanisms.thermal_drift import SHARE, plausible_rates
 
 
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
@@ -40,8 +41,8 @@ MECHANISM = Mechanism(
     example={"rate": 0.05, "amplitude": 8.0, "time": 10.0},
     source="Everitt, Davies & Smith, Philos. Mag. 91 (2011) 1221-1244 (isothermal contact)",
     plausible=lambda s: {
-        "rate": Range(-0.3 * s.depth / s.duration, 0.3 * s.depth / s.duration),
-        "amplitude": Range(-0.3 * s.depth, 0.3 * s.depth),
+        "rate": plausible_rates(s),
+        "amplitude": Range(-0.3 * s.depth, 0.3 * s.depth, typical=SHARE * s.depth),
         "time": Range(0.3 * s.loading_time, s.duration, log=True, least=0.1 * s.loading_time),
     },
     concealed=lambda rng: {

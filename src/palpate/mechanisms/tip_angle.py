@@ -1,4 +1,7 @@
-"""Tip angle: the cone is blunter or sharper than nominal."""
+"""Tip angle: the cone is blunter or sharper than nominal.
+
+ISO 14577-2 allows 0.3 degrees for the faces of a Berkovich pyramid, whose equivalent cone then differs by as much.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ from palpate.mechanisms.draws import signed
 from palpate.mechanisms.mechanism import Mechanism, Range, Values
 from palpate.study.indenter import HALF_ANGLE
 from palpate.study.specification import Specification
+
+TYPICAL = 0.5  # deg
 
 
 def simulate(specification: Specification, values: Values) -> Specification:
@@ -34,7 +39,7 @@ MECHANISM = Mechanism(
     neutral={"half_angle": 70.3},
     example={"half_angle": 71.0},
     source="Fischer-Cripps, Nanoindentation, 3rd ed. (2011), section 4.7",
-    plausible=lambda s: {"half_angle": Range(s.half_angle - 4.0, s.half_angle + 4.0)},
+    plausible=lambda s: {"half_angle": Range(s.half_angle - 4.0, s.half_angle + 4.0, typical=TYPICAL)},
     concealed=lambda rng: {"half_angle": 70.3 + signed(rng, 0.2, 2.5)},
     simulate=simulate,
     solver_scatter=0.001,

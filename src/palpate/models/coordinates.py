@@ -9,15 +9,21 @@ quantity begins at zero, a hundredth of its largest value is added first,
 In the coordinate u the range of a parameter is 0 to 1. The prior is uniform within the range, and falls off outside as
 a Gaussian whose standard deviation is the range itself: a range is what is thought plausible, not a limit. Only the
 limits of the law are never exceeded.
+
+Errors of instruments are mostly small and sometimes large. Where a mechanism states a typical size, the prior of its
+amplitude is Cauchy's distribution about the middle of the range, as a mixture of normal ones (`CAUCHY`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import logsumexp
+from scipy.stats import chi2, norm
 
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
@@ -25,6 +31,12 @@ from palpate.mechanisms import Mechanism, Range, Scale
 
 BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which the scale is about linear
 AT_LIMIT = 1e-3  # of the range, within which an estimate lies on a limit
+
+# Standard deviations over the typical size, and their weights: 1 / sqrt(x), x of a chi-square distribution with one
+# degree of freedom, in parts between its quantiles.
+_PARTS = np.array([0.0, 0.3, 0.6, 0.8, 0.9, 0.96, 1.0])
+CAUCHY_WEIGHTS = np.diff(_PARTS)
+CAUCHY = 1.0 / np.sqrt(chi2.isf(0.5 * (_PARTS[1:] + _PARTS[:-1]), 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +52,9 @@ class Coordinate:
         Its limits, in its unit.
     logarithmic
         Whether its logarithm is scaled.
+    typical
+        Distance from the middle of the range within which half of its prior lies, in its unit; none where the prior is
+        even over the range.
     """
 
     name: str
@@ -48,6 +63,7 @@ class Coordinate:
     least: float
     largest: float
     logarithmic: bool = False
+    typical: float | None = None
 
     @classmethod
     def of(cls, parameter: Parameter, lower: float, upper: float) -> Coordinate:
@@ -59,7 +75,7 @@ class Coordinate:
     def of_amplitude(cls, mechanism: Mechanism, name: str, searched: Range) -> Coordinate:
         """Return the coordinate of a quantity of a mechanism; it is called ``key.name``."""
         limits = mechanism.limits(name, searched)
-        return cls(f"{mechanism.key}.{name}", searched.lower, searched.upper, *limits, searched.log)
+        return cls(f"{mechanism.key}.{name}", searched.lower, searched.upper, *limits, searched.log, searched.typical)
 
     @property
     def offset(self) -> float:
@@ -156,12 +172,35 @@ class Coordinates:
         """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
         return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
 
+    @cached_property
+    def cauchy(self) -> np.ndarray:
+        """Places of the coordinates with Cauchy's prior."""
+        return np.array([k for k, each in enumerate(self.free) if each.typical is not None], dtype=int)
+
+    @cached_property
+    def cauchy_sizes(self) -> np.ndarray:
+        """Their typical sizes, in widths of the range."""
+        return np.array([self.free[k].typical / (self.free[k].upper - self.free[k].lower) for k in self.cauchy])
+
+    def cauchy_mixture(self) -> Iterator[tuple[float, np.ndarray]]:
+        """Yield the logarithm of the weight of each part of the joint prior of these, and the variances (c,) in it."""
+        for parts in itertools.product(range(len(CAUCHY)), repeat=len(self.cauchy)):
+            weight = np.log(CAUCHY_WEIGHTS[list(parts)]).sum()
+            yield float(weight), (CAUCHY[list(parts)] * self.cauchy_sizes) ** 2
+
+    def log_cauchy(self, u: np.ndarray) -> np.ndarray:
+        """Return the log density of these (...,) at coordinates u (..., k)."""
+        away = (u[..., self.cauchy] - 0.5)[..., None] / (CAUCHY * self.cauchy_sizes[:, None])
+        parts = np.log(CAUCHY_WEIGHTS / CAUCHY) - 0.5 * away**2 - 0.5 * np.log(2.0 * np.pi)
+        return np.sum(logsumexp(parts, axis=-1) - np.log(self.cauchy_sizes), axis=-1)
+
     def log_mass(self, first: int) -> float:
         """Return the logarithm of the mass of the prior of the coordinates from number `first` on, within the limits.
 
-        The prior has a density of one over the range and falls off beyond as a Gaussian of its width.
+        An even prior has a density of one over the range and falls off beyond as a Gaussian of its width.
         """
-        least, largest = (ends[first:] for ends in self.limits)
+        even = [k for k, each in enumerate(self.free) if k >= first and each.typical is None]
+        least, largest = (ends[even] for ends in self.limits)
         beyond = norm.cdf(np.maximum(largest - 1.0, 0.0)) - norm.cdf(np.minimum(least, 0.0))
         return float(np.log1p(np.sqrt(2.0 * np.pi) * beyond).sum())
 

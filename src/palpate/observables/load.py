@@ -52,7 +52,7 @@ OBSERVABLE = Observable(
     unit="mN",
     control=DISPLACEMENT,
     of_simulation=lambda simulation: simulation.load,
-    of_recording=lambda time, recorded_time, load, depth: load_at(time, recorded_time, load),
+    of_recording=lambda protocol, time, load, depth: load_at(protocol.sample_time, time, load),
     recorded=recorded,
     scale=scale,
 )

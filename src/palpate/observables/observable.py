@@ -47,7 +47,7 @@ class Observable:
     of_simulation
         Gives it (n,) from a simulated curve, which has `time` [s], `load` [mN] and `depth` [nm], each (n,).
     of_recording
-        Gives it (n,) at sample times (n,) [s] from a recording's time [s], load [mN] and depth [nm], each (m,).
+        Gives it (n,) at a protocol's sample times from a recording's time [s], load [mN] and depth [nm], each (m,).
     recorded
         Gives load (n,) [mN] and depth (n,) [nm] that an instrument writes, from the protocol, a simulated curve and the
         response (n,) in its place.
@@ -66,7 +66,7 @@ class Observable:
     unit: str
     control: str
     of_simulation: Callable[[Any], np.ndarray]
-    of_recording: Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+    of_recording: Callable[[Protocol, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
     recorded: Callable[[Protocol, Any, np.ndarray], tuple[np.ndarray, np.ndarray]]
     scale: Callable[[Protocol, Indenter, np.ndarray], tuple[float, float]]
     noise: Callable[[np.ndarray, np.ndarray], dict[str, np.ndarray]] = noise_in_time
