@@ -63,6 +63,10 @@ def recordings(rng, clean, replicates=3, sigma=1.0, rho=0.7, site=0.01):
     return (1 + site * rng.standard_normal((replicates, 1))) * clean + rng.standard_normal((replicates, n)) @ factor.T
 
 
+def stacked(parts):
+    return np.concatenate([parts[name] for name in FAMILIES])
+
+
 def observed(rng, families=FAMILIES, **options):
     x = np.array([list(TRUTH.values())])
     return {name: Observation(T, recordings(rng, f.predict(x)[0], **options)) for name, f in families.items()}
@@ -227,8 +231,8 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
             return ["unknown" if r else found for r, found in zip(rough, super().tangents(points), strict=True)]
 
     data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough()
-    measured = {name: item.mean for name, item in data.items()}
-    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    measured = np.concatenate([item.mean for item in data.values()])
+    misfit = Misfit(measured, np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     found = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
@@ -239,8 +243,8 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
 def test_a_search_that_cannot_come_to_the_noise_is_given_up(departure, explained):
     """By curves that depart in a shape that no parameter has; else it ends where it would without the limit."""
     data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Forward()
-    measured = {name: item.mean + departure * np.sin(9.0 * T) for name, item in data.items()}
-    misfit = Misfit(measured, 0.05**2 * np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    measured = np.concatenate([item.mean + departure * np.sin(9.0 * T) for item in data.values()])
+    misfit = Misfit(measured, 0.05**2 * np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     limited, free = (descend(misfit, model, [begun], Until(40, 0.02, reach=r)) for r in (3.0 * len(T), np.inf))
     assert limited.converged == explained
@@ -267,8 +271,8 @@ def test_a_search_that_gains_little_ends_whatever_its_slopes_predict():
 
     asked, data = [], observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
     coordinates = Forward().coordinates
-    measured = {name: item.mean for name, item in data.items()}
-    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, coordinates)
+    measured = np.concatenate([item.mean for item in data.values()])
+    misfit = Misfit(measured, np.eye(2 * len(T)), stacked, coordinates)
     begun = coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     assert needed(1e9) < needed(0.0)
 
@@ -276,9 +280,9 @@ def test_a_search_that_gains_little_ends_whatever_its_slopes_predict():
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     """The last place of the search with few samples is one at which the other model fails."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
-    measured = {name: item.mean for name, item in data.items()}
+    measured = np.concatenate([item.mean for item in data.values()])
     model = Forward()
-    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    misfit = Misfit(measured, np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     way = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
     assert model.coordinates.named(way.u)["a"] > 1.05

@@ -8,7 +8,6 @@ from threading import Event
 import numpy as np
 
 from palpate.inference.least_squares import Misfit
-from palpate.models.forward import Curves
 
 LARGEST_STEP = 1.0  # of the range of a parameter
 CORRECTIONS = 3  # fixed-point iterations of the second-order correction
@@ -50,12 +49,12 @@ class Descent:
     ----------
     u : ndarray, shape (k,)
         Where it is.
-    curves, slopes
-        Of each condition there, in the unit of the response, and their derivatives by the coordinates.
+    curve, tangent : ndarray, shape (n,) and (n, k)
+        Of all conditions there [nm], and its derivatives by the coordinates.
     exact
-        Whether the slopes are the model's derivatives there, and not updated by secants.
+        Whether the tangent is the model's there, and not updated by secants.
     last
-        The last step (k,) that was tried, and the departure of the curves there from their linear prediction; None
+        The last step (k,) that was tried, and the departure (n,) of the curve there from its linear prediction; None
         before.
     length
         Length of the longest step that it tries next.
@@ -72,10 +71,10 @@ class Descent:
     """
 
     u: np.ndarray
-    curves: Curves
-    slopes: Curves
+    curve: np.ndarray
+    tangent: np.ndarray
     exact: bool = True
-    last: tuple[np.ndarray, Curves] | None = None
+    last: tuple[np.ndarray, np.ndarray] | None = None
     length: float = LARGEST_STEP
     converged: bool = False
     active: bool = True
@@ -92,20 +91,20 @@ class Descent:
         """Return the search as it begins again where it ended."""
         return replace(self, length=LARGEST_STEP, converged=False, active=True, hopeless=0, gains=[])
 
-    def predicted(self, u: np.ndarray) -> Curves:
-        """Return the curves at coordinates u (k,) to first order."""
-        return {name: curves + self.slopes[name] @ (u - self.u) for name, curves in self.curves.items()}
+    def predicted(self, u: np.ndarray) -> np.ndarray:
+        """Return the curve (n,) at coordinates u (k,) to first order."""
+        return self.curve + self.tangent @ (u - self.u)
 
-    def departed(self, u: np.ndarray, curves: Curves) -> tuple[np.ndarray, Curves]:
-        """Return the step to coordinates u (k,), and the departure of the curves there from their linear prediction."""
-        return u - self.u, {name: curves[name] - linear for name, linear in self.predicted(u).items()}
+    def departed(self, u: np.ndarray, curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the step to coordinates u (k,), and the departure (n,) of the curve there from its prediction."""
+        return u - self.u, curve - self.predicted(u)
 
-    def move(self, u: np.ndarray, curves: Curves) -> None:
-        """Take a step to coordinates u (k,) with these curves, and correct the slopes by its secant."""
-        step, departure = self.departed(u, curves)
-        self.slopes = {n: slopes + np.outer(departure[n], step) / (step @ step) for n, slopes in self.slopes.items()}
+    def move(self, u: np.ndarray, curve: np.ndarray) -> None:
+        """Take a step to coordinates u (k,) with this curve (n,), and correct the tangent by its secant."""
+        step, departure = self.departed(u, curve)
+        self.tangent = self.tangent + np.outer(departure, step) / (step @ step)
         self.path.append(self.u)
-        self.u, self.curves, self.exact = u, curves, False
+        self.u, self.curve, self.exact = u, curve, False
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,10 +131,10 @@ class Steps:
     def of(cls, misfit: Misfit, search: Descent, remainder: float | None = None) -> Steps:
         """Return the steps from where a search is, weighted with a remainder [nm^2]; by default with that there."""
         if remainder is None:
-            remainder = misfit.remainder(misfit.residual(search.curves))
+            remainder = misfit.remainder(misfit.residual(search.curve))
         weights = misfit.weights(remainder)
-        residual = np.append(weights @ misfit.residual(search.curves), misfit.of_parameters(search.u))
-        slopes = np.vstack([weights @ misfit.stacked(search.slopes), misfit.slopes_of_parameters(search.u)])
+        residual = np.append(weights @ misfit.residual(search.curve), misfit.of_parameters(search.u))
+        slopes = np.vstack([weights @ search.tangent, misfit.slopes_of_parameters(search.u)])
         return cls(misfit, search.u, weights, residual, slopes)
 
     def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
@@ -147,7 +146,7 @@ class Steps:
         ends = [self.end(length) for length in lengths]
         if search.last is not None:
             step, departure = search.last
-            weighed = self.weights @ self.misfit.stacked(departure)
+            weighed = self.weights @ departure
             second = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2
             ends = [self._corrected(second, step, end, length) for end, length in zip(ends, lengths, strict=True)]
         return list(zip(ends, lengths, strict=True))

@@ -29,12 +29,12 @@ def effects_at(problem: Problem, explanation: Explanation, end: Descent) -> dict
         if len(places) == 1:
             ((name, assumed),) = _assumed(problem, key, end.u[: problem.material]).items()
             value, slope = problem.quantity(explanation, end.u, f"{key}.{name}")
-            found[key] = problem.stacked(end.slopes)[:, places[0]] * (value - assumed) / slope
+            found[key] = end.tangent[:, places[0]] * (value - assumed) / slope
             continue
         smaller, rest = problem.without(explanation, end.u, key)
         (without,) = problem.model(smaller).curves([rest])
         if not isinstance(without, str):
-            found[key] = problem.stacked(end.curves) - problem.stacked(without)
+            found[key] = end.curve - problem.stacked(without)
     return found
 
 

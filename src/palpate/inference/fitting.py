@@ -126,12 +126,12 @@ class Fitter:
         if reach is None:
             reach = policy.likely_chi_square(len(problem.mean)) if explanation else np.inf
         until = Until(limit, policy.first_tolerance, True, stop, reach, policy.first_tolerance if explanation else 0.0)
-        begun = starts if explanation else self._with_slopes(model, starts)
+        begun = starts if explanation else self._with_slopes(misfit, model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
             end = self._searched(misfit, model, begun, depth, until)
         effects = effects_at(problem, explanation, end)
-        weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
+        weighed = self.errors(explanation, model, end.u, end.curve, effects)
         fit = with_own_values(self.at_end(explanation, model, end, weighed)).sized()
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
@@ -158,8 +158,7 @@ class Fitter:
         again = fit.sized()
         if again is fit or not self.near(again) or again.alike(fit):
             return again
-        responses = self.problem.responses
-        begun = Descent(fit.z, responses(fit.curve), responses(fit.tangent), exact=False)
+        begun = Descent(fit.z, fit.curve, fit.tangent, exact=False)
         end = descend(self.goal(again), fit.model, [begun], until)
         return self.at_end(fit.explanation, fit.model, end, again.errors).sized()
 
@@ -173,14 +172,16 @@ class Fitter:
         fit = replace(fit, errors=replace(fit.errors, refinements=of_mesh(self.problem, record, self.solver_error)))
         return fit, self.goal(fit) if self.near(fit) else usual
 
-    def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
+    def _with_slopes(
+        self, misfit: Misfit, model: Forward, starts: Sequence[np.ndarray]
+    ) -> Sequence[np.ndarray | Descent]:
         """Return the places to start, a single one with its derivatives where the model does not fail."""
-        found = model.tangents(starts)[0] if len(starts) == 1 else ""
+        found = misfit.tangents(model, starts)[0] if len(starts) == 1 else ""
         return starts if isinstance(found, str) else [Descent(starts[0], *found)]
 
     def _begins_near(self, model: Forward, begun: Descent) -> bool:
         """Return whether a search of the base model begins near to what noise leaves already."""
-        errors = self.errors((), model, begun.u, self.problem.stacked(begun.curves))
+        errors = self.errors((), model, begun.u, begun.curve)
         return self.near(self.at_end((), model, begun, errors))
 
     def goal(self, fit: Fit) -> Misfit:
@@ -199,8 +200,8 @@ class Fitter:
         weighed
             The errors of the mean curves.
         """
-        curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
-        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.constraints, end.converged)
+        found = end.u, weighed, end.curve, end.tangent, self.constraints, end.converged
+        return Fit(self.problem, explanation, model, *found)
 
     def rest_on(self, base: Fit) -> Fit:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
@@ -288,7 +289,7 @@ class Fitter:
             except PalpateError as error:
                 failed = str(error)
                 continue
-            ends.append((misfit.chi_square(end.curves, end.u, weights), end))
+            ends.append((misfit.chi_square(end.curve, end.u, weights), end))
             if ends[-1][0] <= good:
                 break
         if not ends:
@@ -300,13 +301,12 @@ class Fitter:
     ) -> Misfit:
         """Return how far curves lie from recorded ones, at the samples that are kept; by default at all."""
         problem = self.problem
-        nm = {name: problem.nm[name] for name in problem.names}
-        keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
-        measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
-        kept = np.concatenate([keep[name] for name in problem.names])
+        every = {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
+        kept = np.concatenate([(keep or every)[name] for name in problem.names])
         covariance = weighed.covariance[np.ix_(kept, kept)]
 
         def from_constraints(z: np.ndarray) -> np.ndarray:
             return departures(self.constraints, problem.amplitudes(explanation, z))
 
-        return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_constraints)
+        coordinates = problem.coordinates(explanation)
+        return Misfit(problem.mean[kept], covariance, problem.stacked, coordinates, from_constraints)

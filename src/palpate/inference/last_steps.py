@@ -29,8 +29,7 @@ def on_finer_meshes(fitter: Fitter, fit: Fit) -> Fit:
     refined, policy = with_finer_curves(fitter, fit), fitter.policy
     if refined is fit:
         return fit
-    responses = fitter.problem.responses
-    begun = Descent(fit.z, responses(refined.curve), responses(fit.tangent), exact=False)
+    begun = Descent(fit.z, refined.curve, fit.tangent, exact=False)
     end = descend(fitter.goal(fit), refined.model, [begun], Until(policy.iterations, policy.tolerance))
     return fitter.at_end(fit.explanation, refined.model, end, fit.errors)
 
@@ -45,10 +44,11 @@ def with_finer_curves(fitter: Fitter, fit: Fit) -> Fit:
 
 def _at_the_edge(fitter: Fitter, fit: Fit, model: Forward, curves: Curves, slopes: Curves) -> Fit:
     """Return a fit after its last steps where the edge of contact decides how a curve changes."""
-    begun, policy = Descent(fit.z, curves, slopes), fitter.policy
+    problem, policy = fitter.problem, fitter.policy
+    begun = Descent(fit.z, problem.stacked(curves), problem.stacked(slopes))
     way = gauss_newton(fitter.goal(fit), model, begun, policy.finer_steps, policy.tolerance, policy.first_order)
     try:
-        record = model.consistent(way.u, way.curves, way.slopes)
+        record = model.consistent(way.u, problem.responses(way.curve), problem.responses(way.tangent))
     except PalpateError:
         return fit
     return fitter.at_end(fit.explanation, record, way, fit.errors)

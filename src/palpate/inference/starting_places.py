@@ -39,5 +39,5 @@ def places(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], polic
 
 def _followed(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], policy: FitPolicy) -> Descent:
     """Return where searches with few samples lead from the best of some coordinates (k,)."""
-    best = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.base_searches]
+    best = [u for _, u in by_misfit(misfit, np.eye(len(misfit.measured)), cheaper, starts)][: policy.base_searches]
     return descend(misfit, cheaper, best, Until(policy.base_iterations, policy.first_tolerance))
