@@ -10,7 +10,15 @@ from palpate.study.protocol import LOAD, Protocol
 
 
 def of_recording(protocol: Protocol, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Return the depth (n,) [nm] at the sample times, see `palpate.base.interpolation.depth_at`."""
+    """Return the depth (n,) [nm] at the sample times, see `palpate.base.interpolation.depth_at`.
+
+    Parameters
+    ----------
+    protocol
+        Of the condition.
+    time, load, depth : ndarray, shape (m,)
+        Of a recording [s], [mN], [nm].
+    """
     return depth_at(protocol.sample_time, time, depth, protocol.knot_time, protocol.knot_drive)
 
 

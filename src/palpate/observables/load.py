@@ -43,7 +43,17 @@ def scale(protocol: Protocol, indenter: Indenter, response: np.ndarray) -> tuple
 
 
 def recorded(protocol: Protocol, simulation: Any, response: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the load (n,) [mN], and the depth (n,) [nm] that the transducer leaves of its displacement."""
+    """Return the load (n,) [mN], and the depth (n,) [nm] that the transducer leaves of its displacement.
+
+    Parameters
+    ----------
+    protocol
+        Says how compliant the transducer is.
+    simulation
+        A simulated curve.
+    response : ndarray, shape (n,)
+        Load in place of the simulated one [mN].
+    """
     return response, simulation.depth - protocol.compliance * (response - simulation.load)
 
 

@@ -109,7 +109,17 @@ class Quantity:
 
     @classmethod
     def of(cls, observable: Observable, protocol: Protocol, indenter: Indenter, response: np.ndarray) -> Quantity:
-        """Return the quantity of a test whose `response` (n,) is known at the sampling times."""
+        """Return the quantity of a test, with the scale that its observable has there.
+
+        Parameters
+        ----------
+        observable
+            What is compared.
+        protocol, indenter
+            Of the test.
+        response : ndarray, shape (n,)
+            At the sampling times, in the unit of the observable.
+        """
         return cls(observable, *observable.scale(protocol, indenter, response))
 
     @property
