@@ -229,6 +229,7 @@ def subpackages() -> str:
 KINDS = {
     "law": ("src/palpate/materials", "LAW"),
     "mechanism": ("src/palpate/mechanisms", "MECHANISM"),
+    "observable": ("src/palpate/observables", "OBSERVABLE"),
     "reader": ("src/palpate/recordings/readers", "READER"),
     "export format": ("src/palpate/output/export", "FORMAT"),
     "subcommand": ("src/palpate/cli", "NAME"),

@@ -5,7 +5,7 @@ input: the vendor's file. output: recordings (CSV), all in one folder. settings:
 
 from pathlib import Path
 
-from palpate.inference.study_recordings import convert_source
+from palpate.data.study_recordings import convert_source
 from palpate.workflow_support import job
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.mechanisms import MECHANISMS
+from palpate.models.coordinates import Coordinate, Coordinates
 
 MATERIAL = Coordinates(
     [Coordinate("modulus", 0.7, 1.4, 1e-3, np.inf), Coordinate("fluidity", 0.0, 0.03, 0.0, np.inf)], {}
@@ -30,7 +30,7 @@ def rounded(protocol, values):
 
 @dataclass(frozen=True, eq=False)
 class ClosedForms:
-    """The cone under some conditions, as `palpate.inference.forward.Forward`.
+    """The cone under some conditions, as `palpate.models.forward.Forward`.
 
     Parameters
     ----------

@@ -7,11 +7,11 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
+from palpate.data.noise import LARGEST_UNREPLICATED_AUTOCORRELATION
 from palpate.diagnosis.detect import examine, filters, log_p, monte_carlo_p, simulated_noise
 from palpate.diagnosis.screen import Screen
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.covariance import components, noise_of
-from palpate.inference.noise import LARGEST_UNREPLICATED_AUTOCORRELATION
+from palpate.models.coordinates import Coordinate, Coordinates
 
 
 def p_of(fit):

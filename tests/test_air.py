@@ -9,7 +9,6 @@ import pytest
 from palpate.cli.main import main
 from palpate.configuration.study_file import Condition
 from palpate.errors import InputError
-from palpate.inference.study_scale import with_contact_sought
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.recordings.contact_interval import interval_of, joint_interval
 from palpate.recordings.readers import ColumnMap, read_vendor_file
@@ -18,6 +17,7 @@ from palpate.recordings.readers.vendor import VendorTest
 from palpate.recordings.readers.zero import decision, zeroed, zeroed_each
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
+from palpate.solver.study_scale import with_contact_sought
 from palpate.study.protocol import trapezoid
 from palpate.workflow_support.data_quality import anomalies
 

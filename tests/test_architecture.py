@@ -12,8 +12,8 @@ import pytest
 REPOSITORY = Path(__file__).parent.parent
 SOURCE = REPOSITORY / "src/palpate"
 ROOMS = """
-    errors base materials study mechanisms analytic design recordings configuration solver laboratory surrogate
-    classical inference diagnosis output draft workflow_support notebook cli
+    errors base materials study observables mechanisms analytic design recordings configuration data solver laboratory
+    models surrogate classical inference diagnosis output draft workflow_support notebook cli
 """.split()  # noqa: SIM905 - each may import those before it
 LEVEL = {name: k for k, name in enumerate(ROOMS)}
 FILES = sorted(SOURCE.rglob("*.py"))

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from palpate.configuration.study_file import Condition
+from palpate.data.measures import error_measures, mean_square, relative
+from palpate.data.observation import Observation
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
 from palpate.inference.least_squares import Misfit
-from palpate.inference.measures import error_measures, mean_square, relative
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale
+from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
 from palpate.surrogate.genetic import GeneticSettings
@@ -61,6 +61,10 @@ def recordings(rng, clean, replicates=3, sigma=1.0, rho=0.7, site=0.01):
     n = len(clean)
     factor = np.linalg.cholesky(sigma**2 * rho ** np.abs(np.subtract.outer(np.arange(n), np.arange(n))))
     return (1 + site * rng.standard_normal((replicates, 1))) * clean + rng.standard_normal((replicates, n)) @ factor.T
+
+
+def stacked(parts):
+    return np.concatenate([parts[name] for name in FAMILIES])
 
 
 def observed(rng, families=FAMILIES, **options):
@@ -227,8 +231,8 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
             return ["unknown" if r else found for r, found in zip(rough, super().tangents(points), strict=True)]
 
     data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Rough()
-    measured = {name: item.mean for name, item in data.items()}
-    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    measured = np.concatenate([item.mean for item in data.values()])
+    misfit = Misfit(measured, np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     found = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
@@ -239,8 +243,8 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
 def test_a_search_that_cannot_come_to_the_noise_is_given_up(departure, explained):
     """By curves that depart in a shape that no parameter has; else it ends where it would without the limit."""
     data, model = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0), Forward()
-    measured = {name: item.mean + departure * np.sin(9.0 * T) for name, item in data.items()}
-    misfit = Misfit(measured, 0.05**2 * np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    measured = np.concatenate([item.mean + departure * np.sin(9.0 * T) for item in data.values()])
+    misfit = Misfit(measured, 0.05**2 * np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     limited, free = (descend(misfit, model, [begun], Until(40, 0.02, reach=r)) for r in (3.0 * len(T), np.inf))
     assert limited.converged == explained
@@ -267,8 +271,8 @@ def test_a_search_that_gains_little_ends_whatever_its_slopes_predict():
 
     asked, data = [], observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
     coordinates = Forward().coordinates
-    measured = {name: item.mean for name, item in data.items()}
-    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, coordinates)
+    measured = np.concatenate([item.mean for item in data.values()])
+    misfit = Misfit(measured, np.eye(2 * len(T)), stacked, coordinates)
     begun = coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     assert needed(1e9) < needed(0.0)
 
@@ -276,9 +280,9 @@ def test_a_search_that_gains_little_ends_whatever_its_slopes_predict():
 def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     """The last place of the search with few samples is one at which the other model fails."""
     data = observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
-    measured = {name: item.mean for name, item in data.items()}
+    measured = np.concatenate([item.mean for item in data.values()])
     model = Forward()
-    misfit = Misfit(measured, np.eye(2 * len(T)), {name: 1.0 for name in data}, model.coordinates)
+    misfit = Misfit(measured, np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
     way = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
     assert model.coordinates.named(way.u)["a"] > 1.05

@@ -8,9 +8,9 @@ from scipy.special import logsumexp
 from scipy.stats import cauchy
 from test_diagnosis import fitted, problem, recordings
 
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.discrepancy import Marginal
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.models.coordinates import Coordinate, Coordinates
 
 SIZE = 0.03
 PRIOR = Coordinates([Coordinate("a", -1.0, 1.0, -50.0, 50.0, typical=2.0 * SIZE)], {})

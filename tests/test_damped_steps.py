@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from palpate.inference.damped_steps import Steps
+from palpate.inference.descent import Steps
 
 
 def steps(rng, limits):

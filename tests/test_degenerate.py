@@ -7,14 +7,14 @@ import pytest
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
 from palpate.configuration.study_file import study_from
+from palpate.data.observation import Observation
 from palpate.diagnosis.detect import between_replicates, examine
 from palpate.diagnosis.screen import Screen
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.finite_elements import FiniteElements
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
-from palpate.study.quantity import Quantity
+from palpate.models.finite_elements import FiniteElements
+from palpate.observables import OBSERVABLES, Quantity
 
 ELASTIC = {
     "study": "s",
@@ -65,7 +65,7 @@ def test_what_an_offset_adds_to_a_load_is_that_of_the_material_that_was_found():
     study = study_from(ELASTIC | {"conditions": [test]}, "study.yaml")
     time = study.conditions[0].protocol.sample_time
     load = np.linspace(0.1, 1.0, len(time))
-    observed = {"D": Observation(time, np.tile(load, (2, 1)), "calibrate", Quantity("load", "mN", -500.0, -2.0))}
+    observed = {"D": Observation(time, np.tile(load, (2, 1)), "calibrate", Quantity(OBSERVABLES["load"], -500.0, -2.0))}
     task, offset = Problem.of(study, observed), Amplitude("zero_offset", "offset")
     moduli = (1.0, 4.0)
     places = [task.forward.coordinates.scaled({"youngs_modulus": modulus}) for modulus in moduli]

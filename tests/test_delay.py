@@ -8,11 +8,11 @@ import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms
 
 from palpate.configuration.study_file import Condition
+from palpate.data.observation import Observation
 from palpate.diagnosis.search import Search
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.mechanisms import Scale
+from palpate.models.coordinates import Coordinates
 from palpate.study.protocol import trapezoid
 
 LAG = ("controller_lag",)

@@ -9,6 +9,9 @@ from closed_forms import MATERIAL, TRUTH, ClosedForms, cone, rounded
 from scipy.linalg import toeplitz
 
 from palpate.configuration.study_file import Condition
+from palpate.data.contrasts import Replicates, contrasts
+from palpate.data.noise_fit import fit_noise
+from palpate.data.observation import Observation
 from palpate.diagnosis.accepted import sufficient_to_identify
 from palpate.diagnosis.detect import examine
 from palpate.diagnosis.diagnose import _compare_on_finer_meshes
@@ -17,15 +20,12 @@ from palpate.diagnosis.limits import outside
 from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.search import Search
-from palpate.inference.contrasts import Replicates, contrasts
 from palpate.inference.covariance import errors, model_covariance, noise_of
-from palpate.inference.noise_fit import fit_noise
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.observables import OBSERVABLES, Quantity
 from palpate.study.prescribed_segments import segments
 from palpate.study.protocol import trapezoid
-from palpate.study.quantity import Quantity
 
 RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset"]
 CONDITIONS = tuple(
@@ -214,7 +214,8 @@ def test_location_points_at_the_part_that_differs():
 
 def test_a_recorded_load_that_is_too_large_lies_where_the_depth_is_too_small():
     fit = fitted(problem(recordings(np.random.default_rng(2))))
-    loads = {n: replace(item, quantity=Quantity("load", "mN", 1.0, -1.0)) for n, item in fit.problem.recorded.items()}
+    load = Quantity(OBSERVABLES["load"], 1.0, -1.0)
+    loads = {name: replace(item, quantity=load) for name, item in fit.problem.recorded.items()}
     under_displacement = replace(fit, problem=replace(fit.problem, recorded=loads))
     for deeper, larger in zip(Residuals.of(fit).located(), Residuals.of(under_displacement).located(), strict=True):
         assert larger["residual_nm"] == pytest.approx(-deeper["residual_nm"])

@@ -7,16 +7,17 @@ import pytest
 import yaml
 
 from palpate.configuration.study_file import Condition, load_study
+from palpate.data.measures import error_measures
+from palpate.data.observation import Observation
+from palpate.data.recording_checks import check_drive
+from palpate.data.study_recordings import check_given, observations
 from palpate.errors import InputError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.covariance import model_covariance
-from palpate.inference.measures import error_measures
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
-from palpate.inference.recording_checks import check_drive
-from palpate.inference.study_recordings import check_given, observations
 from palpate.laboratory.virtual import disturbed
 from palpate.mechanisms import Scale
+from palpate.observables import OBSERVABLES, Quantity, response_to
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import Simulation
@@ -24,12 +25,12 @@ from palpate.solver.store import address
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from
 from palpate.study.protocol import DISPLACEMENT, trapezoid
-from palpate.study.quantity import Quantity
 from palpate.surrogate import PODRBF
 from palpate.surrogate.genetic import GeneticSettings
 from studies.thesis.surrogate_forward import SurrogateForward
 
 CONE = Indenter("cone", 70.3)
+LOAD = OBSERVABLES["load"]
 SPRING = 0.004
 WORDS = {
     "drive": "displacement",
@@ -72,7 +73,7 @@ FOLLOWING = {"max_displacement": None, "loading_time": None, "hold_time": None, 
 
 def test_words_of_a_displacement():
     protocol = protocol_from(WORDS)
-    assert (protocol.control, protocol.response, protocol.compliance) == ("displacement", "load", 1 / SPRING)
+    assert (protocol.control, response_to(protocol).name, protocol.compliance) == ("displacement", "load", 1 / SPRING)
     assert protocol.sample_drive.max() == 400.0
     corners = protocol_from({"drive": "displacement", "times": [5, 25, 30], "displacements": [400, 400, 0]})
     assert corners.compliance == 0.0
@@ -169,7 +170,7 @@ def test_errors_in_nm_are_those_under_the_same_load(compliance):
         return c * depth**2, depth
 
     (usual, depth), (softer, _) = load(1e-5), load(0.999e-5)
-    quantity = Quantity.of(protocol, CONE, usual)
+    quantity = Quantity.of(LOAD, protocol, CONE, usual)
     peak = np.argmax(usual)
     assert quantity.nm * (usual - softer)[peak] == pytest.approx(0.5e-3 * depth[peak], rel=2e-3)
     assert softer[peak] / usual[peak] - 1 == pytest.approx(0.5e-3 * quantity.share, rel=2e-3)
@@ -181,7 +182,7 @@ def test_errors_in_nm_are_those_under_the_same_load(compliance):
 def test_the_solver_errs_by_as_much_whatever_is_prescribed():
     protocol = trapezoid(400.0, 5, 20, 5, 60, DISPLACEMENT)
     load = 1e-5 * protocol.sample_drive**2
-    quantity = Quantity.of(protocol, CONE, load)
+    quantity = Quantity.of(LOAD, protocol, CONE, load)
     assert quantity.share == pytest.approx(-2.0)
     covariance = model_covariance({"pushed": load}, 0.003, {"pushed": quantity.share})
     assert np.sqrt(np.diag(covariance)) == pytest.approx(0.006 * load, rel=1e-9)
@@ -217,7 +218,7 @@ def test_loads_and_depths_calibrate_one_material_together():
     }
     truth = {"modulus": 3.0, "relaxing": 2.0}
     scale = Scale(depth=400, load=1.0, modulus=3.0, duration=65, loading_time=5, half_angle=70.3, pressure=0.2)
-    quantity, ratios = Quantity.of(pushed, CONE, load(**truth)), []
+    quantity, ratios = Quantity.of(LOAD, pushed, CONE, load(**truth)), []
     settings = CalibrationSettings(GeneticSettings(population=40, generations=20))
     for seed in range(5):
         rng = np.random.default_rng(seed)

@@ -58,6 +58,7 @@ HOW = {
     },
     "new_law.md": {"pytest tests/test_laws_of_flow.py tests/test_laws_in_bodies.py": TESTS},
     "new_mechanism.md": {"pytest tests/test_mechanisms.py": TESTS},
+    "new_observable.md": {"pytest tests/test_observables.py": TESTS},
     "own_recordings.md": {
         "palpate read 'Lab/2024-03-05/Test 2 mN 20 s site 1.txt' --columns "
         "'time=Time [s],load=Force [uN],depth=Depth [um]' --survey -o look": "",

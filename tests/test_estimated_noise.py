@@ -10,12 +10,12 @@ from scipy.special import expit, logit
 from scipy.stats import t as student
 from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
+from palpate.data.noise import NoiseModel
+from palpate.diagnosis.estimated_noise import adjusted, freedom
 from palpate.diagnosis.locate import Residuals
 from palpate.diagnosis.undetected import undetected_effects
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.covariance import Errors
-from palpate.inference.estimated_noise import adjusted, freedom
-from palpate.inference.noise import NoiseModel
 
 
 def points(sigma, strength_freedom, counts, site=0.0, site_freedom=1):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from palpate.diagnosis.diagnosis_result import material_parameters
-from palpate.inference.coordinates import Coordinates
 from palpate.inference.estimates import Intervals, estimates
 from palpate.materials import LAWS
+from palpate.models.coordinates import Coordinates
 
 HARDENING = {p.name: p for p in LAWS["bilinear_plasticity"].declared({})}
 

@@ -52,6 +52,6 @@ def test_a_tip_of_another_angle_joins_though_the_middle_of_its_range_is_the_base
 def test_a_law_that_is_void_when_all_act_is_silent_whether_its_effect_is_named_or_not(task):
     law = AmplitudeConstraint("frame_compliance", "compliance", 0.0, -0.1, 0.1, "tops", ("zero_offset",))
     for named in ((), ("frame_compliance",)):
-        fit = replace(fitted(task, named), laws=(law,))
-        without = all_acting(replace(fit, laws=()))[FRAME]
+        fit = replace(fitted(task, named), constraints=(law,))
+        without = all_acting(replace(fit, constraints=()))[FRAME]
         assert half(all_acting(fit)[FRAME]) == pytest.approx(half(without), rel=1e-6)

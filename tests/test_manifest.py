@@ -10,7 +10,7 @@ from test_check import ELASTIC
 
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
-from palpate.inference.study_recordings import convert_source, files_of
+from palpate.data.study_recordings import convert_source, files_of
 from palpate.recordings.recording import Recording
 from palpate.workflow_support import manifest
 

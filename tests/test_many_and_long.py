@@ -8,8 +8,8 @@ import yaml
 
 from palpate.cli import check
 from palpate.configuration.study_file import study_from
+from palpate.data import study_recordings
 from palpate.errors import InputError
-from palpate.inference import study_recordings
 from palpate.recordings import recording_file
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording

@@ -10,14 +10,14 @@ from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
 from palpate.configuration.study_file import load_study
-from palpate.inference import body_model
-from palpate.inference.anchors import Anchor
 from palpate.inference.covariance import REFINED, errors, noise_of
-from palpate.inference.fidelity import COARSE, kept
-from palpate.inference.finite_elements import FiniteElements
-from palpate.inference.study_scale import middle, scale_of
 from palpate.mechanisms import MECHANISMS
+from palpate.models import body_model
+from palpate.models.anchors import Anchor
+from palpate.models.fidelity import COARSE, kept
+from palpate.models.finite_elements import FiniteElements
 from palpate.solver.simulation import simulate
+from palpate.solver.study_scale import middle, scale_of
 from palpate.study.protocol import Protocol
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"

@@ -5,9 +5,9 @@ import pytest
 from wilson import wilson
 
 from palpate.configuration.study_file import Condition
+from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
 from palpate.diagnosis.fact import Fact, in_words, suggestive
-from palpate.inference.observation import Observation
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
 

@@ -11,7 +11,7 @@ from palpate.configuration.study_file import load_study
 from palpate.diagnosis.next_test import Account, error_of_means, feasible, of_test
 from palpate.diagnosis.undetected import UndetectedEffect, largest_undetected, undetected_effects
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.finite_elements import FiniteElements
+from palpate.models.finite_elements import FiniteElements
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.indenter import Indenter
 

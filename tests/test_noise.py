@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from test_diagnosis import CONDITIONS, problem, recordings, search_of
 
+from palpate.data.noise import NoiseModel
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.covariance import noise_between_replicates, noise_of
-from palpate.inference.noise import NoiseModel
 
 DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 SETS = [(), (ZERO,), (DRIFT,), (DRIFT, ZERO)]

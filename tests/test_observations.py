@@ -5,8 +5,8 @@ import pytest
 from test_config import CONDITION, TRUTH, load
 
 from palpate.cli.main import main
+from palpate.data.study_recordings import check, check_given, check_tests, observations
 from palpate.errors import InputError
-from palpate.inference.study_recordings import check, check_given, check_tests, observations
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import read_recording
 from palpate.study.protocol import trapezoid

@@ -11,11 +11,11 @@ from test_draft import MODULUS, elastic
 
 from palpate.analytic import sneddon
 from palpate.configuration.study_file import load_study
+from palpate.data.study_recordings import check, resampled
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.errors import InputError, PalpateError
-from palpate.inference import own_loads
-from palpate.inference.own_loads import brought_to_one_load
-from palpate.inference.study_recordings import check, resampled
+from palpate.models import own_loads
+from palpate.models.own_loads import brought_to_one_load
 from palpate.solver.simulation import simulate_batch
 from palpate.workflow_support.steps import calibrate_study, fit_surrogate
 
@@ -90,4 +90,4 @@ def test_tests_that_cannot_be_brought_to_one_load_end_a_fit(method, monkeypatch)
     monkeypatch.setattr(own_loads, "simulate_batch", lambda cases: [failed] * len(cases))
     observed = resampled(method, check(method, "lab"))
     with pytest.raises(PalpateError, match="M: its tests are not brought to one load, as a simulation failed"):
-        brought_to_one_load(method, observed, {"youngs_modulus": MODULUS}, own_loads.refused)
+        brought_to_one_load(method, observed, {"youngs_modulus": MODULUS}, own_loads.raise_failure)

@@ -10,17 +10,17 @@ from test_diagnosis import CONDITIONS, fitted, recordings
 from test_diagnosis import problem as task
 
 from palpate.configuration.study_file import Condition
+from palpate.data.noise import NoiseModel
+from palpate.data.observation import Observation
 from palpate.diagnosis.diagnosis_result import curves, summary
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.search import Search
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.noise import NoiseModel
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
-from palpate.inference.study_scale import longest_rise
 from palpate.mechanisms import Scale
+from palpate.models.coordinates import Coordinates
+from palpate.solver.study_scale import longest_rise
 from palpate.study.protocol import Protocol, trapezoid
 
 CONDITION = Condition("a", "calibrate", trapezoid(4.0, 20.0, 10.0, 20.0, points=60))

@@ -7,12 +7,11 @@ import pytest
 from closed_forms import ClosedForms
 from test_diagnosis import CONDITIONS, SCALE, fitted, problem, recordings
 
-from palpate.inference.coordinates import Coordinate, Coordinates
 from palpate.inference.covariance import errors, noise_of
-from palpate.inference.curvature import AXES, REACH, Curvature
 from palpate.inference.explanation import Fit
-from palpate.inference.posterior import posterior_draws
+from palpate.inference.posterior import AXES, REACH, Curvature, posterior_draws
 from palpate.inference.problem import Problem
+from palpate.models.coordinates import Coordinate, Coordinates
 
 TRUTH = np.array([(1.0 - 0.7) / 0.7, 0.01 / 0.03])
 

@@ -11,12 +11,12 @@ from derivatives import sensitivities
 from palpate.analytic import berkovich, scaling
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
+from palpate.data.observation import Observation
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
-from palpate.inference.finite_elements import FiniteElements
 from palpate.inference.fitting import Fitter
-from palpate.inference.observation import Observation
 from palpate.inference.problem import Problem
+from palpate.models.finite_elements import FiniteElements
 from palpate.recordings.recording_file import read_recording
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution

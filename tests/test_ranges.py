@@ -12,9 +12,9 @@ from test_diagnosis import CONDITIONS, fitted, problem, recordings
 from palpate.configuration.study_file import load_study
 from palpate.diagnosis.candidates import candidates
 from palpate.errors import InputError
-from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS
+from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.solver.study_scale import scale_of
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 

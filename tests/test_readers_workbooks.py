@@ -9,8 +9,8 @@ from test_readers import KLA, XP, needs_recordings
 from workbooks import write_workbook
 
 from palpate.cli.main import main
+from palpate.data.study_recordings import convert_source
 from palpate.errors import InputError
-from palpate.inference.study_recordings import convert_source
 from palpate.recordings.readers import ColumnMap, read_each, read_source, read_vendor_file, select
 from palpate.recordings.recording_file import read_recording
 

@@ -7,9 +7,9 @@ from test_readers import ANON, needs_recordings
 
 from palpate.configuration import study_file
 from palpate.configuration.study_file import load_study
+from palpate.data import study_recordings
+from palpate.data.study_recordings import convert_source
 from palpate.errors import InputError
-from palpate.inference import study_recordings
-from palpate.inference.study_recordings import convert_source
 from palpate.output.recordings_page import write_reading
 from palpate.recordings.readers import locate, read_source, read_vendor_file
 from palpate.recordings.recording import Recording

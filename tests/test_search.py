@@ -232,7 +232,9 @@ def test_a_fit_that_begins_or_ends_far_outside_the_ranges_is_tried_from_within(b
     search = search_of(problem(recordings(np.random.default_rng(1))))
     smaller = replace(search.base.fit, z=np.array([begun, 0.3]))
     key, asked, end = "frame_compliance", [], np.array([ended, 0.3])
-    ends = [SimpleNamespace(coordinates=MATERIAL, z=end, log_evidence=e, misfit_ratio=1.0, errors=EXACT) for e in evidences]
+    ends = [
+        SimpleNamespace(coordinates=MATERIAL, z=end, log_evidence=e, misfit_ratio=1.0, errors=EXACT) for e in evidences
+    ]
     search._fitter.policy = replace(search._fitter.policy, finer_meshes=0.0)  # the smaller one leaves more than noise
 
     def fitted(explanation, starts, *others):

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 from test_calibration import BOUNDS, FAMILIES, QUICK, TRUTH, T, calibrated
 
-from palpate.inference.observation import Observation
+from palpate.data.observation import Observation
 
 TRUE = np.array(list(TRUTH.values()))
 

@@ -10,9 +10,9 @@ from scipy.optimize import least_squares
 
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
-from palpate.inference.surrogates import Surrogates
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.protocol import trapezoid
+from palpate.surrogate.surrogates import Surrogates
 from studies.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
 from studies.thesis import index as page
 from studies.thesis.dimensionless import MODULUS, NAMES, groups

@@ -12,6 +12,7 @@ import pandas as pd
 from scipy.stats import chi2
 
 from palpate.configuration.study_file import Study
+from palpate.data.study_recordings import observations
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.detect import count_of_filters
 from palpate.diagnosis.study_diagnosis import run_diagnosis
@@ -19,7 +20,6 @@ from palpate.errors import PalpateError
 from palpate.inference.covariance import errors, noise_of
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
-from palpate.inference.study_recordings import observations
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
 from palpate.workflow_support.result_files import read_json

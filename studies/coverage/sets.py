@@ -17,7 +17,7 @@ from scipy.signal import lfilter
 
 from palpate.classical.viscoelastic_depth import Compliance
 from palpate.configuration.study_file import Condition
-from palpate.inference.observation import Observation
+from palpate.data.observation import Observation
 from palpate.mechanisms.draws import log_uniform
 from palpate.study.protocol import trapezoid
 from palpate.workflow_support.result_files import checksum, write_json

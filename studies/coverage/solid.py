@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.configuration.study_file import Condition
-from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.forward import Curves
-from palpate.inference.observation import Observation
+from palpate.data.observation import Observation
+from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.models.forward import Curves
 from studies.coverage.creep import burgers, depth
 
 RANGES = {
@@ -25,7 +25,7 @@ STEP = 1e-4  # of a range, over which derivatives are differenced
 
 @dataclass(frozen=True, eq=False)
 class BurgersSolid:
-    """A Burgers solid under some conditions, as `palpate.inference.forward.Forward`; no mechanism joins it.
+    """A Burgers solid under some conditions, as `palpate.models.forward.Forward`; no mechanism joins it.
 
     Parameters
     ----------

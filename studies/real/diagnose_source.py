@@ -8,9 +8,9 @@ from typing import Any
 import pandas as pd
 
 from palpate.configuration.study_file import Study
+from palpate.data.study_recordings import convert_source
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.errors import InputError
-from palpate.inference.study_recordings import convert_source
 
 
 def diagnose_source(study: Study, report: Callable[[str], None]) -> tuple[dict[str, Any], pd.DataFrame]:

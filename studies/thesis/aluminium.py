@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from palpate.data.measures import relative
+from palpate.data.study_recordings import observations
 from palpate.inference.calibrate import calibrate
-from palpate.inference.measures import relative
 from palpate.inference.problem import Problem
-from palpate.inference.study_recordings import observations
 from palpate.solver.simulation import simulate
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from palpate.inference.study_recordings import observations
+from palpate.data.study_recordings import observations
 from palpate.surrogate import PODRBF
 from studies.thesis.analysis_of_variance import anova
 from studies.thesis.fitted import Fitted

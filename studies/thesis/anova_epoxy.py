@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.inference.study_recordings import observations
+from palpate.data.study_recordings import observations
 from studies.thesis.analysis_of_variance import Anova
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, EPOXY_SCREENING
 from studies.thesis.level_reduction import level_counts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from palpate.inference.study_recordings import observations
+from palpate.data.study_recordings import observations
 from palpate.workflow_support.steps import calibrate_study
 from studies.thesis.fitted import Fitted, beside_truth
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS

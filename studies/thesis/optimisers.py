@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
-from palpate.inference.study_recordings import observations
-from palpate.inference.surrogates import Surrogates
+from palpate.data.study_recordings import observations
 from palpate.surrogate.genetic import GeneticSettings, evolve
+from palpate.surrogate.surrogates import Surrogates
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, ranges
 from studies.thesis.libraries import library
@@ -55,7 +55,7 @@ class Problem:
     @property
     def dimensions(self) -> int:
         """Number of free parameters."""
-        return len(self.model.coordinates.free)
+        return len(self.model.free)
 
     def errors(self, u: np.ndarray) -> np.ndarray:
         """Return weighted residuals (n, points) at points (n, k), whose squares sum to the objective."""

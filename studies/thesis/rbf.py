@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.inference.measures import relative
+from palpate.data.measures import relative
 from palpate.surrogate import KERNELS, PODRBF
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import ALUMINIUM_GRIDS as GRIDS

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from palpate.inference.measures import OBJECTIVES
+from palpate.data.measures import OBJECTIVES
 from studies.thesis.analysis_of_variance import Anova, anova
 from studies.thesis.orthogonal_arrays import OrthogonalArray
 from studies.thesis.runs import Curves

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.stats import sobol_indices, uniform
 
-from palpate.inference.measures import relative
+from palpate.data.measures import relative
 from palpate.surrogate import PODRBF
 from studies.thesis.study import Rows
 

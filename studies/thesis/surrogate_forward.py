@@ -1,20 +1,22 @@
-"""Surrogates in place of the finite elements, as a `palpate.inference.forward.Forward`, within their bounds."""
+"""Surrogates in place of the finite elements, as a `palpate.models.forward.Forward`, within their bounds."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
 from palpate.configuration.study_file import Condition
+from palpate.data.observation import Observation
 from palpate.errors import InputError
-from palpate.inference.forward import Curves
-from palpate.inference.observation import Observation
-from palpate.inference.surrogates import Surrogates
 from palpate.mechanisms import Mechanism, Scale
+from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.models.forward import Curves
 from palpate.study.specification import Specification
+from palpate.surrogate.surrogates import Surrogates
 
 
 class DifferentiablePredictor(Protocol):
@@ -32,6 +34,12 @@ class SurrogateForward(Surrogates):
     """Surrogates under some conditions; they know the base model alone, each condition under one load."""
 
     predictors: Mapping[str, DifferentiablePredictor]
+
+    @cached_property
+    def coordinates(self) -> Coordinates:
+        """See `Forward`: linear in the parameters, within their bounds."""
+        free = [Coordinate(name, *self.bounds[name], *self.bounds[name]) for name in self.free]
+        return Coordinates(free, {name: lower for name, (lower, upper) in self.bounds.items() if lower == upper})
 
     def under(self, names: Sequence[str]) -> SurrogateForward:
         """See `Forward`."""
@@ -72,7 +80,7 @@ class SurrogateForward(Surrogates):
 
     def thinned(self) -> tuple[SurrogateForward, Mapping[str, np.ndarray]]:
         """See `Forward`: none is cheaper."""
-        (middle,) = self.at(np.full((1, len(self.coordinates.free)), 0.5))
+        (middle,) = self.at(np.full((1, len(self.free)), 0.5))
         return self, {name: np.ones(len(curve), dtype=bool) for name, curve in middle.items()}
 
     def together(self, u: np.ndarray) -> int:
@@ -89,7 +97,7 @@ class SurrogateForward(Surrogates):
 
     def tangents(self, points: Sequence[np.ndarray]) -> list[tuple[Curves, Curves] | str]:
         """See `Forward`; none fails."""
-        free = [list(self.bounds).index(name) for name in self.coordinates.names]
+        free = [list(self.bounds).index(name) for name in self.free]
         found: list[tuple[Curves, Curves] | str] = []
         for u, x, curves in zip(points, self.parameters(np.array(points)), self.at(np.array(points)), strict=True):
             extent = np.array([each.slope(place) for each, place in zip(self.coordinates.free, u, strict=True)])

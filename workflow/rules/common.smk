@@ -43,7 +43,7 @@ from palpate.base.checksum import checksum
 from palpate.base.fingerprint import fingerprint
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.study_file import load_study, study_from
-from palpate.inference.study_recordings import (
+from palpate.data.study_recordings import (
     files_of,
     with_stiffness,
     written_by_workflow,

@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def examined(study: Study) -> Iterator[str]:
     """Check a study and its recordings, each read once, and yield what will be done; raises `InputError`."""
-    from palpate.inference.study_recordings import tests_to_come
+    from palpate.data.study_recordings import tests_to_come
     from palpate.workflow_support.check_study import checked
     from palpate.workflow_support.data_quality import anomalies, misstated
 
@@ -69,7 +69,7 @@ def _described(
     study: Study, counts: Mapping[str, Mapping[str, int]], remarks: Mapping[str, Sequence[str]]
 ) -> Iterator[str]:
     """Yield what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
-    from palpate.inference.study_recordings import written_by_workflow
+    from palpate.data.study_recordings import written_by_workflow
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
 

@@ -19,6 +19,7 @@ from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms, known
+from palpate.observables import Observable, response_to
 from palpate.recordings.readers import VendorTest, read_source
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
@@ -58,6 +59,11 @@ class Condition:
     protocol: Protocol
     follows: str = ""
     own_loads: bool = False
+
+    @property
+    def observable(self) -> Observable:
+        """What its tests are compared by."""
+        return response_to(self.protocol)
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from dataclasses import replace
 from palpate.configuration.study_file import Study
 from palpate.design.sampling import factorial
 from palpate.errors import InputError, located_in
-from palpate.inference.coordinates import Coordinate
-from palpate.inference.study_scale import SLOPE, scale_of
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale, considered
+from palpate.models.coordinates import Coordinate
 from palpate.solver.axisymmetric.contact_size import check_size, contact_range, mean_pressure
 from palpate.solver.axisymmetric.discretisation import RESOLUTIONS
+from palpate.solver.study_scale import SLOPE, scale_of
 from palpate.solver.variation import applied_to_body
 from palpate.study.specification import of_equivalent_cone
 

@@ -178,7 +178,7 @@ def _amplitude(fit: Fit, law: AmplitudeConstraint) -> tuple[float, float]:
     problem, z = fit.problem, fit.z
     white = fit.whiten(fit.tangent)
     covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
-    if fit.laws:
+    if fit.constraints:
         z = z + covariance @ white.T @ fit.white
     value, slope = problem.quantity(fit.explanation, z, law.quantity)
     place = problem.place(fit.explanation, law.quantity)

@@ -25,11 +25,11 @@ import numpy as np
 from scipy.linalg import cholesky
 from scipy.stats import chi2
 
+from palpate.base.orthonormal import orthonormal
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.screen import Screen, count_of_trials
 from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
-from palpate.inference.orthonormal import orthonormal
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.prescribed_segments import segments

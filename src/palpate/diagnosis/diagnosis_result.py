@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import Observation
 from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.limits import limits
@@ -24,10 +25,8 @@ from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
 from palpate.inference.estimates import determined, law_discrepancy
 from palpate.inference.explanation import Fit
-from palpate.inference.observation import Observation
 from palpate.inference.posterior import draws_to_first_order, posterior_draws
 from palpate.mechanisms import MECHANISMS
-from palpate.study.protocol import LOAD
 
 OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
 
@@ -172,7 +171,7 @@ def _next_test(
     without and with the largest effect among `keys` that could hide beside it. `draws` (m, k) are from the posteriors
     of the accepted explanations, then of the base model.
     """
-    if not all(condition.protocol.control == LOAD for condition in study.conditions):
+    if not all(condition.observable.is_depth for condition in study.conditions):
         return None
     fits = [candidate.fit for candidate in (*diagnosis.accepted, diagnosis.base)]
     accounts = [Account.of(*each) for each in zip(fits, draws, strict=True)]

@@ -17,10 +17,10 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.explanation import Fit
-from palpate.inference.study_scale import middle
 from palpate.materials.flow.row import creeps
 from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
+from palpate.solver.study_scale import middle
 
 MOST_POINTS = 400  # samples of a simulation that stands for a recording
 

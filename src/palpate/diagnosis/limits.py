@@ -14,7 +14,6 @@ from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
-from palpate.study.protocol import LOAD
 
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 OUTSIDE = 0.005  # of a range, beyond its ends: a parameter is reported as outside
@@ -57,7 +56,7 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
             "There is a single condition: effects of load, rate and time cannot be separated by comparison, so only "
             "effects of the instrument can be identified."
         )
-    displaced = any(condition.protocol.control != LOAD for condition in problem.conditions)
+    displaced = not all(condition.observable.is_depth for condition in problem.conditions)
     if displaced:
         messages.append(
             "A displacement is prescribed: misfits are loads, converted to equivalent depths. Exact laws about single "

@@ -21,9 +21,9 @@ from scipy.linalg import cho_solve
 from scipy.stats import chi2, false_discovery_control
 from scipy.stats import t as student
 
-from palpate.inference.estimated_noise import freedom
+from palpate.base.orthonormal import orthonormal
+from palpate.diagnosis.estimated_noise import freedom
 from palpate.inference.explanation import Fit
-from palpate.inference.orthonormal import orthonormal
 from palpate.study.prescribed_segments import by_cycle
 
 CERTAIN = 0.05  # share of false discoveries below which a misfit of a part is reported
@@ -70,7 +70,7 @@ class Residuals:
         """Return the weighted sum of recorded less simulated depths, and the probability that it is noise.
 
         The most likely effect of the sites is left out where their scatter is assumed, see `Fit.by_sites`.
-        Student's distribution allows for a noise that is estimated, see `palpate.inference.estimated_noise`.
+        Student's distribution allows for a noise that is estimated, see `palpate.diagnosis.estimated_noise`.
 
         Parameters
         ----------

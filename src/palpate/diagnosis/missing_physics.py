@@ -10,8 +10,7 @@ import numpy as np
 from palpate.configuration.study_file import Condition
 from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.inference.explanation import Fit
-from palpate.inference.study_scale import longest_rise
-from palpate.study.protocol import LOAD
+from palpate.solver.study_scale import longest_rise
 
 CHANGES = {
     ("loading", True): "make the body softer {part}in loading",
@@ -41,7 +40,7 @@ def missing_physics(fit: Fit) -> dict[str, Any]:
 
 def _trends(residuals: Residuals) -> list[dict[str, Any]]:
     fit, conditions = residuals.fit, residuals.fit.problem.conditions
-    if any(c.protocol.control != LOAD for c in conditions):
+    if not all(c.observable.is_depth for c in conditions):
         return []
     found = []
     loads, times = zip(*((c.protocol.largest_drive, longest_rise(c.protocol)) for c in conditions), strict=True)

@@ -11,16 +11,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from palpate.configuration.study_file import Study
+from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
 from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.diagnosis.fact import Fact
-from palpate.inference.observation import Observation
-from palpate.inference.study_scale import middle
 from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS
 from palpate.recordings.recording import Recording
 from palpate.recordings.reversal_lag import reversal_lag
-from palpate.study.protocol import LOAD
+from palpate.solver.study_scale import middle
 
 TITLES = {
     "thermal_drift": "rate of the depth in holds at low load, creep and recovery included",
@@ -42,7 +41,7 @@ def model_free(
     observed
         The same, resampled.
     """
-    tests = [(c, recorded[c.name]) for c in study.calibrated if c.protocol.control == LOAD]
+    tests = [(c, recorded[c.name]) for c in study.calibrated if c.observable.is_depth]
     every = [recording for _, recordings in tests for recording in recordings]
     found = [*_lag(every), *_exact(study, every)]
     if study.indenter.sharp:

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import Observation
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
 from palpate.inference.covariance import components_under, model_covariance, refinement_covariance
 from palpate.inference.discrepancy import Discrepancy
 from palpate.inference.explanation import Fit
-from palpate.inference.observation import Observation
 
 ROUNDS = 20  # of the reweighting for Student's distribution, which converges by then
 

@@ -19,9 +19,9 @@ from scipy.special import stdtrit
 
 from palpate.base import small_samples
 from palpate.configuration.study_file import Condition
+from palpate.data.observation import Observation
 from palpate.diagnosis.fact import Fact
 from palpate.diagnosis.scaling_facts import level
-from palpate.inference.observation import Observation
 from palpate.mechanisms import MECHANISMS
 from palpate.recordings.correlated_errors import Series, shared_coefficient
 from palpate.recordings.recording import Recording

@@ -22,7 +22,7 @@ from palpate.configuration.study_file import Condition
 from palpate.diagnosis.fact import Fact
 from palpate.mechanisms import Assumption, breaking
 from palpate.recordings.recording import Recording
-from palpate.study.protocol import LOAD, Protocol
+from palpate.study.protocol import Protocol
 
 LENGTHS = ("tip_rounding", "film_on_substrate", "size_effect", "adhesion", "skin")
 INSTRUMENT = ("frame_compliance", "mount_compliance", "thermal_drift", "nonsteady_drift")
@@ -68,7 +68,7 @@ def alike(
     """Return tests in groups of one normalised load history and duration, each by increasing load."""
     groups: list[list[tuple[Condition, Sequence[Recording]]]] = []
     for test in tests:
-        if test[0].protocol.control != LOAD:
+        if not test[0].observable.is_depth:
             continue
         known = [group for group in groups if proportional(group[0][0].protocol, test[0].protocol)]
         if not known:

@@ -19,10 +19,10 @@ from scipy.stats import qmc
 
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.coordinates import CAUCHY, CAUCHY_WEIGHTS
 from palpate.inference.explanation import DENSITY_ONE, PRIOR_VARIANCE, Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.models.coordinates import CAUCHY, CAUCHY_WEIGHTS
 from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken

@@ -117,8 +117,8 @@ class Search:
         if not problem.replicated:
             self._estimate_noise_without_replicates(base)
             base = self.fitted((), [base.z], base.curve)
-        self._fitter.laws = tuple(laws(base)) if laws else ()
-        self.base = self.candidate(replace(base, laws=self._fitter.laws))
+        self._fitter.constraints = tuple(laws(base)) if laws else ()
+        self.base = self.candidate(replace(base, constraints=self._fitter.constraints))
 
     def fitted(self, explanation: Explanation, starts: Sequence[np.ndarray], depth: np.ndarray) -> Fit:
         """Fit an explanation, see `palpate.inference.fitting.Fitter.fitted`."""
@@ -193,12 +193,12 @@ class Search:
             if not isinstance(curves, str):
                 curve, tangent = problem.stacked(curves), np.delete(fit.tangent, places, axis=1)
                 weighed = self._fitter.errors(smaller, model, rest, curve)
-                found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, fit.laws))
+                found.append(Fit(problem, smaller, model, rest, weighed, curve, tangent, fit.constraints))
         return found
 
     def candidate(self, fit: Fit) -> Candidate:
         """Return a fit as an explanation."""
-        return Candidate(fit, self._p_value, tuple(contradicted(fit, fit.laws)))
+        return Candidate(fit, self._p_value, tuple(contradicted(fit, fit.constraints)))
 
     def _p_value(self, fit: Fit) -> float:
         """Test what a fit leaves, with the same draws for all."""
@@ -220,9 +220,9 @@ class Search:
             scatter, own = self.study.calibration["site_scatter"], problem.typical(key)
             wider, usual = (noise_of(problem, each, fit.residual, scatter).log_likelihood for each in (own, ()))
             found += wider - usual
-        broken = [not law.holds_under((*fit.explanation, key)) for law in fit.laws]
-        about = [law.key in (key, *mechanism.includes) for law in fit.laws]
-        return found + 0.5 * float(fit.law_misfits @ np.logical_or(broken, about))
+        broken = [not law.holds_under((*fit.explanation, key)) for law in fit.constraints]
+        about = [law.key in (key, *mechanism.includes) for law in fit.constraints]
+        return found + 0.5 * float(fit.constraint_misfits @ np.logical_or(broken, about))
 
     def _estimate_noise_without_replicates(self, base: Fit) -> None:
         """Estimate the noise from the residual of the best-fitting set of mechanisms, less slow trends.

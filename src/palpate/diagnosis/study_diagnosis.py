@@ -11,6 +11,7 @@ import pandas as pd
 
 from palpate.base.threads import on_one_thread
 from palpate.configuration.study_file import Study
+from palpate.data.study_recordings import check, resampled
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import zero_points
 from palpate.diagnosis.diagnose import diagnose
@@ -22,12 +23,10 @@ from palpate.diagnosis.search import Search
 from palpate.diagnosis.summary_text import sentence
 from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wide_intervals
 from palpate.errors import InputError
-from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
-from palpate.inference.study_recordings import check, resampled
-from palpate.inference.study_scale import with_contact_sought
+from palpate.models.own_loads import raise_failure
 from palpate.recordings.recording import Recording
-from palpate.study.protocol import LOAD
+from palpate.solver.study_scale import with_contact_sought
 
 OWN_LOADS = "tests under loads of their own are compared with the help of the calibrated material"
 
@@ -91,10 +90,10 @@ def diagnosed(
     problem = Problem.of(study, resampled(study, recorded))
     if calibrated is None and any(item.own for item in problem.recorded.values()):
         raise InputError(OWN_LOADS, remedy="calibrate first, and give its parameters", place="calibrated")
-    problem = problem.at_one_load(calibrated or {}, refused)
+    problem = problem.at_one_load(calibrated or {}, raise_failure)
     tests = [test for c in study.calibrated for test in recorded[c.name]]
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
-    pressed = {c.name: recorded[c.name] for c in study.conditions if c.protocol.control == LOAD}
+    pressed = {c.name: recorded[c.name] for c in study.conditions if c.observable.is_depth}
     exact = ExactLaws(study, pressed)
     search = Search(
         study, problem, list(candidates(study)), rng, calibrated, exact.beside, SearchPolicy(threads=threads)
@@ -109,7 +108,7 @@ def diagnosed(
     content["limits"] += wide_intervals(best.fit, content["joint_intervals"])
     content["study"] = study.name
     content["model_free"] = [fact.row() for fact in model_free(study, recorded, problem.observed)]
-    laws = found.base.fit.laws
+    laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]
     measured = {name: pressed[name] for name in following if name in pressed}

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
+from palpate.diagnosis.estimated_noise import adjusted
 from palpate.diagnosis.screen import Screen
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.estimated_noise import adjusted
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS
 
@@ -163,7 +163,7 @@ def wide_intervals(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> lis
         mechanism, half = MECHANISMS[key], 0.5 * (entry["upper"] - entry["lower"])
         if mechanism.remedy and half * float(np.abs(fit.problem.unit_effects(amplitude)).max()) > least:
             (unit,) = (p.unit for p in mechanism.parameters if p.name == own)
-            done = any(law.quantity == name and np.isfinite(law.lower) for law in fit.laws)
+            done = any(law.quantity == name and np.isfinite(law.lower) for law in fit.constraints)
             remedy = "" if done else f" It would be narrowed by {mechanism.remedy}."
             of = "" if len(mechanism.amplitudes) == 1 else f"the {own} of "
             messages.append(
@@ -182,11 +182,11 @@ def _joined(fit: Fit, extras: list[Extra]) -> Joined:
     prior = np.append(np.full(own, 1.0 / PRIOR_VARIANCE), [1.0 / extra.variance for extra in extras])
     precision, pull = white.T @ white + np.diag(prior), white.T @ fit.white
     every = (*fit.explanation, *(extra.key for extra in extras))
-    fit = replace(fit, laws=tuple(law for law in fit.laws if law.holds_under(every)))
-    precision[:own, :own] += fit.law_tangent.T @ fit.law_tangent
-    pull[:own] -= fit.law_tangent.T @ fit.from_laws(fit.z)
+    fit = replace(fit, constraints=tuple(law for law in fit.constraints if law.holds_under(every)))
+    precision[:own, :own] += fit.constraint_tangent.T @ fit.constraint_tangent
+    pull[:own] -= fit.constraint_tangent.T @ fit.from_constraints(fit.z)
     for place, extra in enumerate(extras, own):
-        for law in [law for law in fit.laws if law.quantity == extra.name]:
+        for law in [law for law in fit.constraints if law.quantity == extra.name]:
             precision[place, place] += law.weight(0.0) ** 2
             pull[place] -= law.weight(0.0) * law.departure(0.0)
     covariance = np.linalg.inv(precision)

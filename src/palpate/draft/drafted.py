@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from palpate.base.channel_noise import noise_of
+from palpate.data.recording_checks import NOISE_PEAK
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
-from palpate.inference.recording_checks import NOISE_PEAK
 from palpate.recordings.borne_load import check_borne
 from palpate.recordings.provenance import provenance
 from palpate.recordings.pull_off import pull_off

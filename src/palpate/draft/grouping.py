@@ -11,11 +11,11 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from palpate.base.classes import classes_of, levels
+from palpate.data.observation import WHOLE
+from palpate.data.recording_checks import LOAD_TOLERANCE, check_drive
 from palpate.draft.methods import LOADED, end_of_loading, of_one_method, the_middle
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
-from palpate.inference.observation import WHOLE
-from palpate.inference.recording_checks import LOAD_TOLERANCE, check_drive
 from palpate.recordings.alignment import aligned
 from palpate.recordings.recording import Recording
 from palpate.recordings.segments import Segment, segments

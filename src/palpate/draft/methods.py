@@ -14,8 +14,8 @@ from itertools import chain, pairwise
 import numpy as np
 
 from palpate.base.classes import classes_of
+from palpate.data.recording_checks import LOAD_TOLERANCE
 from palpate.draft.prescribed_drive import Drive
-from palpate.inference.recording_checks import LOAD_TOLERANCE
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
 

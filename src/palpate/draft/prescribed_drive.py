@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.data.observation import WHOLE
+from palpate.data.recording_checks import LOAD_TOLERANCE
 from palpate.draft.stated import Stated
-from palpate.inference.observation import WHOLE
-from palpate.inference.recording_checks import LOAD_TOLERANCE
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners, drive_of
 from palpate.study.recorded_history import recorded

@@ -1,7 +1,7 @@
 """The amplitudes of mechanisms that only add to the recorded depth, which does so in proportion to each of them.
 
 Where such a mechanism varies, each recording has amplitudes of its own: what one unit of an amplitude adds under a
-condition is then the column c of a variance component v c c^T (`palpate.inference.noise`). Other parameters, such as
+condition is then the column c of a variance component v c c^T (`palpate.data.noise`). Other parameters, such as
 the time in which a transient decays, belong to the instrument and are the same in every recording.
 """
 

@@ -89,28 +89,28 @@ class AmplitudeConstraint:
         return {name: None if value == -np.inf else value for name, value in content.items()}
 
 
-def widenings(laws: Sequence[AmplitudeConstraint], explanation: Iterable[str]) -> np.ndarray:
-    """Return log(1 + b^2 / sigma^2) of each law (n_laws,).
+def widenings(constraints: Sequence[AmplitudeConstraint], explanation: Iterable[str]) -> np.ndarray:
+    """Return log(1 + b^2 / sigma^2) of each constraint (m,).
 
-    It is zero for bounds, for laws that do not apply, and where the mechanism acts.
+    It is zero for bounds, for constraints that do not apply, and where the mechanism acts.
     """
     keys = set(explanation)
-    counts = [law.key not in keys and law.holds_under(keys) and np.isfinite(law.lower) for law in laws]
-    ratios = [MECHANISMS[law.key].background * law.weight(0.0) for law in laws]
+    counts = [each.key not in keys and each.holds_under(keys) and np.isfinite(each.lower) for each in constraints]
+    ratios = [MECHANISMS[each.key].background * each.weight(0.0) for each in constraints]
     return np.log1p(np.multiply(counts, ratios) ** 2)
 
 
-def departures(laws: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
-    """Return the departures (n_laws,) [standard deviations] of amplitudes from each law; zero where it does not apply.
+def departures(constraints: Sequence[AmplitudeConstraint], amplitudes: Mapping[str, Mapping[str, float]]) -> np.ndarray:
+    """Return the departures (m,) [standard deviations] of amplitudes from each constraint; zero where it is void.
 
     Without the mechanism its amplitude is zero, to within what counts as background.
     """
 
-    def departure(law: AmplitudeConstraint) -> float:
-        if not law.holds_under(amplitudes):
+    def departure(each: AmplitudeConstraint) -> float:
+        if not each.holds_under(amplitudes):
             return 0.0
-        if law.key in amplitudes:
-            return law.departure(amplitudes[law.key][law.parameter])
-        return law.departure(0.0, MECHANISMS[law.key].background)
+        if each.key in amplitudes:
+            return each.departure(amplitudes[each.key][each.parameter])
+        return each.departure(0.0, MECHANISMS[each.key].background)
 
-    return np.array([departure(law) for law in laws])
+    return np.array([departure(each) for each in constraints])

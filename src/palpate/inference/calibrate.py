@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from palpate.base.threads import on_one_thread
+from palpate.data.measures import OBJECTIVES, check_indents
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
 from palpate.inference.discrepancy import LAW_ERROR
@@ -21,14 +22,13 @@ from palpate.inference.estimates import (
 )
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
-from palpate.inference.genetic_stage import genetic_search
 from palpate.inference.last_steps import on_finer_meshes
-from palpate.inference.measures import OBJECTIVES, check_indents
-from palpate.inference.own_loads import refused
 from palpate.inference.problem import Problem
 from palpate.inference.starting_places import scattered
-from palpate.inference.surrogates import Predictor, Surrogates
+from palpate.models.own_loads import raise_failure
 from palpate.surrogate.genetic import GeneticSettings
+from palpate.surrogate.genetic_stage import genetic_search
+from palpate.surrogate.surrogates import Predictor, Surrogates
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
 
@@ -161,7 +161,7 @@ def _simulated(problem: Problem, fit: Fit, report: Callable[[str], None]) -> dic
         if isinstance(curve, str):
             report(f"{name} has no errors: {curve.removeprefix(f'{name}: ')}")
         else:
-            found[name] = curve / problem.nm.get(name, 1.0)
+            found[name] = curve / problem.nm[name]
     return found
 
 
@@ -175,7 +175,7 @@ def base_fit(
     """Fit the base model from parameters by name, and from places scattered over the ranges.
 
     Where tests have loads of their own, they are brought to one load at the first of the `starts`, and once more at the
-    estimate, from which the search then goes on (`palpate.inference.own_loads`); the problem is returned too. Without
+    estimate, from which the search then goes on (`palpate.models.own_loads`); the problem is returned too. Without
     replicates noise cannot be distinguished from misfit: the fit comes as close to the curves as it can, with no
     factor of the site or of the solver free, and allows for a discrepancy; intervals allow for both, and take what the
     fit leaves beside slow trends for noise, see `palpate.inference.covariance.noise_of`.
@@ -202,7 +202,7 @@ def base_fit(
         fitter = replace(fitter, problem=brought)
         fit = fitter.base([*begun, *scattered(problem.material, fitter.policy, rng)])
     if brought is not problem:
-        brought = problem.at_one_load(coordinates.named(fit.z), refused)
+        brought = problem.at_one_load(coordinates.named(fit.z), raise_failure)
         fitter = replace(fitter, problem=brought)
         fit = fitter.base([fit.z])
     fit = on_finer_meshes(fitter, fit)

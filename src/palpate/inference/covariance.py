@@ -25,14 +25,14 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition
+from palpate.data.contrasts import Replicates, contrasts, without_trend
+from palpate.data.noise import NoiseModel
+from palpate.data.noise_fit import fit_noise
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.contrasts import Replicates, contrasts, without_trend
 from palpate.inference.discrepancy import Discrepancy
-from palpate.inference.forward import Forward
-from palpate.inference.noise import NoiseModel
-from palpate.inference.noise_fit import fit_noise
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.models.forward import Forward
 from palpate.study.prescribed_segments import segments
 
 ASSUMED_RANDOM_WALK = 0.02  # nm/s^0.5, standard deviation of the walk after a second without replicates
@@ -128,7 +128,7 @@ def model_covariance(
 ) -> np.ndarray:
     """Return the covariance (n_all, n_all) of one factor that all curves (n_points,) share [nm^2].
 
-    Where the load answers it departs by the `shares` of that, see `palpate.study.quantity.Quantity.share`.
+    Each response departs by its `shares` of that, see `palpate.observables.observable.Quantity`; by one if not given.
     """
     depth = relative_error * np.concatenate([shares.get(name, 1.0) * curve for name, curve in curves.items()])
     return np.outer(depth, depth)
@@ -168,7 +168,7 @@ def components_under(
     """
     time = condition.protocol.sample_time
     site = problem.shares.get(condition.name, 1.0) * curve
-    parts = {"site": np.outer(site, site), "random_walk": np.minimum.outer(time, time)}
+    parts = condition.observable.noise(time, site)
     none = np.zeros_like(time)
     unloaded = [amplitude.added(time, none) for amplitude in own]
     for key in BACKGROUNDS:

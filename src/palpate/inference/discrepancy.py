@@ -8,7 +8,8 @@ with h_m the largest depth so far, by which a recovered depth is measured, too. 
 deviation `share` (M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425-464). Its structure is that of the
 physics. A sharp tip on a homogeneous body has no length, so depth / sqrt(load) is a functional of the history up to
 now alone, whatever the law: of the present time t, since the law may know times of its own, and of the normalised
-history p(s) = (P(t (1 - s)) / max P)^(1/2), the depth of an elastic cone. So is x, and a functional that is smooth has close values at close histories:
+history p(s) = (P(t (1 - s)) / max P)^(1/2), the depth of an elastic cone. So is x, and a functional that is smooth has
+close values at close histories:
 
     corr(x, x') = exp(-(ln t - ln t')^2 / (2 a^2) - mean (p(s) - p'(s))^2 / (2 b^2)).
 
@@ -96,7 +97,7 @@ class Discrepancy:
             Median of the prior of its standard deviation [-].
         shares
             Relative change of a test's response where the depth under the same load changes, see
-            `palpate.study.quantity`; one where not given.
+            `palpate.observables.observable`; one where not given.
         """
         common, alone = _correlated(tuple(protocols), sharp)
         scale = np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])

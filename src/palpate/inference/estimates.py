@@ -2,7 +2,7 @@ r"""Parts of a `CalibrationOutcome`: estimates with 95 % intervals, errors and n
 
 Intervals are quantiles of the posterior, see `palpate.inference.posterior`: of curves to second order about the
 estimate, with the noise of the recordings, the error of the solver, the discrepancy of the law, and the prior of
-`palpate.inference.coordinates`.
+`palpate.models.coordinates`.
 
 A parameter is identified when its estimate lies within its range, and its interval is narrower than half of that and
 does not end at a limit of the law: an interval that fills most of the range says little more than the range did.
@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
+from palpate.data.measures import error_measures
+from palpate.data.noise import NoiseModel
+from palpate.data.observation import Observation
 from palpate.inference.calibration_result import Estimate
-from palpate.inference.coordinates import Coordinates
 from palpate.inference.explanation import Fit
-from palpate.inference.measures import error_measures
-from palpate.inference.noise import NoiseModel
-from palpate.inference.observation import Observation
 from palpate.inference.posterior import posterior_draws
 from palpate.inference.problem import Problem
+from palpate.models.coordinates import Coordinates
 
 WIDEST_IDENTIFIED = 0.5  # of the range
 CONFIDENCE = 0.95  # of the intervals
@@ -117,7 +117,7 @@ def noise_table(problem: Problem, noise: NoiseModel) -> dict[str, dict[str, floa
     for k, name in enumerate(problem.names):
         item = problem.recorded[name]
         rows[name] = {
-            f"sigma_{item.quantity.unit}": float(noise.sigma[k]) / problem.nm.get(name, 1.0),
+            item.quantity.observable.column("sigma"): float(noise.sigma[k]) / problem.nm[name],
             "correlation": float(noise.autocorrelation[k]),
             "site_scatter": float(np.sqrt(noise.variances["site"])) * abs(item.quantity.share),
             "replicates": len(item.response),

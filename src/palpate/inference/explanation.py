@@ -10,15 +10,15 @@ import numpy as np
 from scipy.linalg import block_diag, cholesky, solve_triangular
 from scipy.special import logsumexp
 
+from palpate.base.orthonormal import orthonormal
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures, widenings
-from palpate.inference.coordinates import Coordinates
 from palpate.inference.covariance import Errors
 from palpate.inference.discrepancy import Marginal
-from palpate.inference.forward import Forward, under_each
 from palpate.inference.least_squares import central_slopes, remainder
-from palpate.inference.orthonormal import orthonormal
 from palpate.inference.problem import Explanation, Problem
+from palpate.models.coordinates import Coordinates
+from palpate.models.forward import Forward, under_each
 
 PRIOR_VARIANCE = 1.0 / 12.0
 DENSITY_ONE = 1.0 / (2.0 * np.pi)  # variance of the Gaussian that is as dense at its middle as the even prior
@@ -43,8 +43,8 @@ class Fit:
         The forward model's curves at z [nm].
     tangent : ndarray, shape (n_all, k)
         Their slopes [nm].
-    laws
-        What exact laws say about amplitudes: data, too.
+    constraints
+        Amplitudes that exact laws give: data, too.
     converged
         Whether the search that led here converged.
     """
@@ -56,7 +56,7 @@ class Fit:
     errors: Errors
     curve: np.ndarray
     tangent: np.ndarray
-    laws: tuple[AmplitudeConstraint, ...] = ()
+    constraints: tuple[AmplitudeConstraint, ...] = ()
     converged: bool = True
 
     @cached_property
@@ -75,7 +75,7 @@ class Fit:
         others = [name for name in self.problem.observed if name not in self.problem.names]
         found: dict[str, np.ndarray | str] = {**self.problem.split(self.curve)}
         for name, curve in under_each(self.model, others, self.z).items():
-            found[name] = curve if isinstance(curve, str) else self.problem.nm.get(name, 1.0) * curve
+            found[name] = curve if isinstance(curve, str) else self.problem.nm[name] * curve
         return found
 
     @cached_property
@@ -136,25 +136,25 @@ class Fit:
         """Whitened residual (n_all,)."""
         return self.whiten(self.residual)
 
-    def from_laws(self, z: np.ndarray) -> np.ndarray:
-        """Return the departures [standard deviations] of the amplitudes at z (k,) from the laws."""
-        return departures(self.laws, self.model.amplitudes(z))
+    def from_constraints(self, z: np.ndarray) -> np.ndarray:
+        """Return the departures (m,) [standard deviations] of the amplitudes at z (k,) from the constraints."""
+        return departures(self.constraints, self.model.amplitudes(z))
 
     @property
-    def law_misfits(self) -> np.ndarray:
-        """What each law (n_laws,) adds to -2 log likelihood, see `palpate.inference.amplitude_constraint`."""
-        return self.from_laws(self.z) ** 2 + widenings(self.laws, self.explanation)
+    def constraint_misfits(self) -> np.ndarray:
+        """What each constraint (m,) adds to -2 log likelihood, see `palpate.inference.amplitude_constraint`."""
+        return self.from_constraints(self.z) ** 2 + widenings(self.constraints, self.explanation)
 
     @cached_property
-    def law_tangent(self) -> np.ndarray:
-        """Slope (n_laws, k) of the departures from the laws."""
-        return central_slopes(self.from_laws, self.z)
+    def constraint_tangent(self) -> np.ndarray:
+        """Slope (m, k) of the departures from the constraints."""
+        return central_slopes(self.from_constraints, self.z)
 
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves, what the laws add to it, and that of the prior outside the ranges."""
+        """Chi-square of the mean curves, what the constraints add to it, and that of the prior outside the ranges."""
         beyond = self.coordinates.beyond(self.z)
-        return float(self.white @ self.white + self.law_misfits.sum() + beyond @ beyond)
+        return float(self.white @ self.white + self.constraint_misfits.sum() + beyond @ beyond)
 
     @property
     def misfit_ratio(self) -> float:
@@ -163,7 +163,7 @@ class Fit:
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Log-likelihood of the means, of the laws and, where there are replicates, of their differences.
+        """Log-likelihood of the means, of the constraints and, where there are replicates, of their differences.
 
         The size of the law's discrepancy is the likeliest one, and counts with its prior.
         """
@@ -178,13 +178,13 @@ class Fit:
         Where the fit leaves more than the errors, the information of the curves is divided by the misfit ratio
         (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
         """
-        information = self._information_of_curves / max(self.misfit_ratio, 1.0) + self._information_of_laws
+        information = self._information_of_curves / max(self.misfit_ratio, 1.0) + self._information_of_constraints
         return np.linalg.inv(information + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
     def information(self) -> np.ndarray:
-        """Fisher information (k, k) of curves and laws about the coordinates, to first order."""
-        return self._information_of_curves + self._information_of_laws
+        """Fisher information (k, k) of curves and constraints about the coordinates, to first order."""
+        return self._information_of_curves + self._information_of_constraints
 
     @cached_property
     def _information_of_curves(self) -> np.ndarray:
@@ -192,21 +192,21 @@ class Fit:
         return white.T @ white
 
     @property
-    def _information_of_laws(self) -> np.ndarray:
-        return self.law_tangent.T @ self.law_tangent
+    def _information_of_constraints(self) -> np.ndarray:
+        return self.constraint_tangent.T @ self.constraint_tangent
 
     def marginal(self, columns: np.ndarray) -> Marginal:
         """Return the products of columns (n_all, c) for every size of the law's discrepancy.
 
-        The columns are a residual, then slopes by the coordinates (k), whose prior and exact laws count as data, then
+        The columns are a residual, then slopes by the coordinates (k), whose prior and constraints count as data, then
         whatever else joins the curves.
         """
         found = Marginal.of(self.factor_of_known, self.errors.law, columns)
         beyond = self.coordinates.beyond(self.z)
         beyond[self.coordinates.cauchy] = 0.0
-        slopes = np.vstack([np.diag(1.0 * (beyond != 0.0)), self.law_tangent])
+        slopes = np.vstack([np.diag(1.0 * (beyond != 0.0)), self.constraint_tangent])
         rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(self.z)))
-        return found.with_data(np.column_stack([-np.append(beyond, self.from_laws(self.z)), slopes, rest]))
+        return found.with_data(np.column_stack([-np.append(beyond, self.from_constraints(self.z)), slopes, rest]))
 
     @cached_property
     def _sizes(self) -> tuple[Marginal, np.ndarray]:
@@ -271,7 +271,7 @@ class Fit:
         """
         noise = self.errors.noise
         known = noise.log_likelihood if noise.replicated else 0.0
-        known -= 0.5 * float(widenings(self.laws, self.explanation).sum())
+        known -= 0.5 * float(widenings(self.constraints, self.explanation).sum())
         return known + float(logsumexp(self._sizes[1])) - self.coordinates.log_mass(self.problem.material)
 
     @property

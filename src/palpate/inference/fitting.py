@@ -16,21 +16,20 @@ from threading import Event
 
 import numpy as np
 
+from palpate.data.noise import NoiseModel
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
-from palpate.inference.between_conditions import with_own_values
 from palpate.inference.covariance import Errors, errors, noise_of, of_mesh
 from palpate.inference.descent import Descent, Until
-from palpate.inference.effects import effects_at
+from palpate.inference.errors_at_end import effects_at, with_own_values
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
-from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
-from palpate.inference.noise import NoiseModel
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.starting_places import places
 from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
+from palpate.models.forward import Forward
 
 
 @dataclass(eq=False)
@@ -49,7 +48,7 @@ class Fitter:
         Median of the prior of the law's discrepancy [-]; 0 where the law is taken to be exact.
     policy
         How far a fit goes.
-    laws
+    constraints
         Amplitudes given by exact laws; they are data as well.
     """
 
@@ -58,7 +57,7 @@ class Fitter:
     solver_error: float
     law_error: float = 0.0
     policy: FitPolicy = field(default_factory=FitPolicy)
-    laws: tuple[AmplitudeConstraint, ...] = ()
+    constraints: tuple[AmplitudeConstraint, ...] = ()
     _residual_as_noise: np.ndarray = field(init=False, repr=False)
     _noise: dict[tuple[Amplitude, ...], NoiseModel] = field(init=False, repr=False)
     _size: tuple[float, float] | None = field(init=False, repr=False, default=None)
@@ -127,12 +126,12 @@ class Fitter:
         if reach is None:
             reach = policy.likely_chi_square(len(problem.mean)) if explanation else np.inf
         until = Until(limit, policy.first_tolerance, True, stop, reach, policy.first_tolerance if explanation else 0.0)
-        begun = starts if explanation else self._with_slopes(model, starts)
+        begun = starts if explanation else self._with_slopes(misfit, model, starts)
         end = begun[0]
         if not (isinstance(end, Descent) and self._begins_near(model, end)):
             end = self._searched(misfit, model, begun, depth, until)
         effects = effects_at(problem, explanation, end)
-        weighed = self.errors(explanation, model, end.u, problem.stacked(end.curves), effects)
+        weighed = self.errors(explanation, model, end.u, end.curve, effects)
         fit = with_own_values(self.at_end(explanation, model, end, weighed)).sized()
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
@@ -157,12 +156,11 @@ class Fitter:
         The size mostly changes little from where a search ended. Where it was that of a model without an effect that
         is there, it hides what the search has to find, and falls from one search to the next.
         """
-        responses = self.problem.responses
         for _ in range(self.policy.sizes):
             again = fit.sized()
             if again is fit or not self.near(again) or again.alike(fit):
                 return again
-            begun = Descent(fit.z, responses(fit.curve), responses(fit.tangent), exact=False)
+            begun = Descent(fit.z, fit.curve, fit.tangent, exact=False)
             end = descend(self.goal(again), fit.model, [begun], until)
             fit = self.at_end(fit.explanation, fit.model, end, again.errors)
         return fit.sized()
@@ -177,14 +175,16 @@ class Fitter:
         fit = replace(fit, errors=replace(fit.errors, refinements=of_mesh(self.problem, record, self.solver_error)))
         return fit, self.goal(fit) if self.near(fit) else usual
 
-    def _with_slopes(self, model: Forward, starts: Sequence[np.ndarray]) -> Sequence[np.ndarray | Descent]:
+    def _with_slopes(
+        self, misfit: Misfit, model: Forward, starts: Sequence[np.ndarray]
+    ) -> Sequence[np.ndarray | Descent]:
         """Return the places to start, a single one with its derivatives where the model does not fail."""
-        found = model.tangents(starts)[0] if len(starts) == 1 else ""
+        found = misfit.tangents(model, starts)[0] if len(starts) == 1 else ""
         return starts if isinstance(found, str) else [Descent(starts[0], *found)]
 
     def _begins_near(self, model: Forward, begun: Descent) -> bool:
         """Return whether a search of the base model begins near to what noise leaves already."""
-        errors = self.errors((), model, begun.u, self.problem.stacked(begun.curves))
+        errors = self.errors((), model, begun.u, begun.curve)
         return self.near(self.at_end((), model, begun, errors))
 
     def goal(self, fit: Fit) -> Misfit:
@@ -203,8 +203,8 @@ class Fitter:
         weighed
             The errors of the mean curves.
         """
-        curve, tangent = self.problem.stacked(end.curves), self.problem.stacked(end.slopes)
-        return Fit(self.problem, explanation, model, end.u, weighed, curve, tangent, self.laws, end.converged)
+        found = end.u, weighed, end.curve, end.tangent, self.constraints, end.converged
+        return Fit(self.problem, explanation, model, *found)
 
     def rest_on(self, base: Fit) -> Fit:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
@@ -297,7 +297,7 @@ class Fitter:
             except PalpateError as error:
                 failed = str(error)
                 continue
-            ends.append((misfit.chi_square(end.curves, end.u, weights), end))
+            ends.append((misfit.chi_square(end.curve, end.u, weights), end))
             if ends[-1][0] <= good:
                 break
         if not ends:
@@ -309,13 +309,12 @@ class Fitter:
     ) -> Misfit:
         """Return how far curves lie from recorded ones, at the samples that are kept; by default at all."""
         problem = self.problem
-        nm = {name: problem.nm.get(name, 1.0) for name in problem.names}
-        keep = keep or {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
-        measured = {name: problem.observed[name].mean[keep[name]] / nm[name] for name in problem.names}
-        kept = np.concatenate([keep[name] for name in problem.names])
+        every = {name: np.ones(len(problem.observed[name].time), dtype=bool) for name in problem.names}
+        kept = np.concatenate([(keep or every)[name] for name in problem.names])
         covariance = weighed.covariance[np.ix_(kept, kept)]
 
-        def from_laws(z: np.ndarray) -> np.ndarray:
-            return departures(self.laws, problem.amplitudes(explanation, z))
+        def from_constraints(z: np.ndarray) -> np.ndarray:
+            return departures(self.constraints, problem.amplitudes(explanation, z))
 
-        return Misfit(measured, covariance, nm, problem.coordinates(explanation), from_laws)
+        coordinates = problem.coordinates(explanation)
+        return Misfit(problem.mean[kept], covariance, problem.stacked, coordinates, from_constraints)

@@ -3,7 +3,7 @@
 The model of record rests on a mesh that is finer by one degree than the study's. Its curves of creeping bodies err by
 some 0.07 % of the depth, which moved the estimates of four cases of the blind trial by up to 1.3 standard deviations,
 and left 2.4 to 4.3 standard deviations of the noise in the residual. So a fit that explains replicates ends with curves
-of a mesh that is finer by two degrees, extrapolated where the fit arrived (`palpate.inference.anchors.richardson`). The
+of a mesh that is finer by two degrees, extrapolated where the fit arrived (`palpate.models.anchors.richardson`). The
 same part of the depth serves other explanations meanwhile: with a film it leaves a quarter of the error, with a rounded
 tip half.
 """
@@ -16,8 +16,8 @@ from palpate.errors import PalpateError
 from palpate.inference.descent import Descent, Until
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
-from palpate.inference.forward import Curves, Forward
 from palpate.inference.trust_region import descend, gauss_newton
+from palpate.models.forward import Curves, Forward
 
 
 def on_finer_meshes(fitter: Fitter, fit: Fit) -> Fit:
@@ -29,8 +29,7 @@ def on_finer_meshes(fitter: Fitter, fit: Fit) -> Fit:
     refined, policy = with_finer_curves(fitter, fit), fitter.policy
     if refined is fit:
         return fit
-    responses = fitter.problem.responses
-    begun = Descent(fit.z, responses(refined.curve), responses(fit.tangent), exact=False)
+    begun = Descent(fit.z, refined.curve, fit.tangent, exact=False)
     end = descend(fitter.goal(fit), refined.model, [begun], Until(policy.iterations, policy.tolerance))
     return fitter.at_end(fit.explanation, refined.model, end, fit.errors)
 
@@ -45,10 +44,11 @@ def with_finer_curves(fitter: Fitter, fit: Fit) -> Fit:
 
 def _at_the_edge(fitter: Fitter, fit: Fit, model: Forward, curves: Curves, slopes: Curves) -> Fit:
     """Return a fit after its last steps where the edge of contact decides how a curve changes."""
-    begun, policy = Descent(fit.z, curves, slopes), fitter.policy
+    problem, policy = fitter.problem, fitter.policy
+    begun = Descent(fit.z, problem.stacked(curves), problem.stacked(slopes))
     way = gauss_newton(fitter.goal(fit), model, begun, policy.finer_steps, policy.tolerance, policy.first_order)
     try:
-        record = model.consistent(way.u, way.curves, way.slopes)
+        record = model.consistent(way.u, problem.responses(way.curve), problem.responses(way.tangent))
     except PalpateError:
         return fit
     return fitter.at_end(fit.explanation, record, way, fit.errors)

@@ -1,6 +1,6 @@
 r"""Weighted least squares of simulated curves against recorded ones, with a prior.
 
-What is minimised, in coordinates u with the prior of `palpate.inference.coordinates`, is
+What is minimised, in coordinates u with the prior of `palpate.models.coordinates`, is
 
     chi^2(u) = r^T (C + d^2 I)^-1 r + sum beyond(u)^2,    r = simulated - recorded depth,
 
@@ -14,7 +14,7 @@ rate in a hold at low load, join with their departures in standard deviations.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,8 +22,8 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import brentq
 
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.forward import Curves, Forward
+from palpate.models.coordinates import Coordinates
+from palpate.models.forward import Curves, Forward
 
 STEP = 1e-4  # of a range, over which departures from independent measurements are differenced
 BEYOND_ANY = 1e6  # times the mean square of the residual, an upper bound of the remainder
@@ -35,13 +35,12 @@ class Misfit:
 
     Parameters
     ----------
-    measured
-        Mean recorded curve (n_points,) of each condition, in the unit of the response (nm, or mN where the displacement
-        is prescribed).
+    measured : ndarray, shape (n,)
+        Mean recorded curves, one condition after the other [nm].
     covariance : ndarray, shape (n, n)
-        Of the errors, one condition after the other [nm^2].
-    nm
-        For each condition the depth [nm] to which a unit of the response amounts, see `palpate.study.quantity`.
+        Of the errors [nm^2].
+    stacked
+        Returns curves or slopes (n_points, ...) of all conditions one after the other (n, ...), in nm.
     coordinates
         Of the parameters.
     independent
@@ -51,17 +50,12 @@ class Misfit:
         Whether a remainder is estimated; else it is zero.
     """
 
-    measured: Mapping[str, np.ndarray]
+    measured: np.ndarray
     covariance: np.ndarray
-    nm: Mapping[str, float]
+    stacked: Callable[[Curves], np.ndarray]
     coordinates: Coordinates
     independent: Callable[[np.ndarray], np.ndarray] = lambda u: np.empty(0)
     allow_remainder: bool = True
-
-    @cached_property
-    def scale(self) -> np.ndarray:
-        """Nanometres in a unit of each point (n,)."""
-        return np.concatenate([np.full(len(curve), self.nm[name]) for name, curve in self.measured.items()])
 
     @cached_property
     def principal(self) -> tuple[np.ndarray, np.ndarray]:
@@ -74,14 +68,20 @@ class Misfit:
         factor = cholesky(self.covariance, lower=True)
         return solve_triangular(factor, np.eye(len(factor)), lower=True)
 
-    def stacked(self, parts: Mapping[str, np.ndarray]) -> np.ndarray:
-        """Return what belongs to each condition (n_points, ...), one after the other, in nm."""
-        whole = np.concatenate([parts[name] for name in self.measured])
-        return whole * (self.scale if whole.ndim == 1 else self.scale[:, None])
+    def curves(self, model: Forward, points: Sequence[np.ndarray]) -> list[np.ndarray | str]:
+        """Return a model's curves (n,) [nm] at each of the points (k,), or why it failed."""
+        return [found if isinstance(found, str) else self.stacked(found) for found in model.curves(points)]
 
-    def residual(self, curves: Curves) -> np.ndarray:
-        """Return simulated less recorded curves (n,) [nm]."""
-        return self.stacked({name: curves[name] - recorded for name, recorded in self.measured.items()})
+    def tangents(self, model: Forward, points: Sequence[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray] | str]:
+        """Return the same with the slopes (n, k) [nm]."""
+        return [
+            found if isinstance(found, str) else (self.stacked(found[0]), self.stacked(found[1]))
+            for found in model.tangents(points)
+        ]
+
+    def residual(self, curve: np.ndarray) -> np.ndarray:
+        """Return a simulated less the recorded curve (n,) [nm]."""
+        return curve - self.measured
 
     def remainder(self, residual: np.ndarray) -> float:
         """Return the variance d^2 [nm^2] of the remainder, see the module."""
@@ -97,9 +97,9 @@ class Misfit:
         floor = 1e-12 * max(float(variances.max()), remainder)
         return (directions / np.sqrt(np.maximum(variances, floor) + remainder)).T
 
-    def chi_square(self, curves: Curves, u: np.ndarray, weights: np.ndarray) -> float:
-        """Return the misfit of curves at coordinates u (k,), prior included."""
-        return float(np.sum((weights @ self.residual(curves)) ** 2) + np.sum(self.of_parameters(u) ** 2))
+    def chi_square(self, curve: np.ndarray, u: np.ndarray, weights: np.ndarray) -> float:
+        """Return the misfit of a curve (n,) [nm] at coordinates u (k,), prior included."""
+        return float(np.sum((weights @ self.residual(curve)) ** 2) + np.sum(self.of_parameters(u) ** 2))
 
     def of_parameters(self, u: np.ndarray) -> np.ndarray:
         """Return the departures (k + m,) [standard deviations] from the prior and from independent measurements."""
@@ -156,6 +156,6 @@ def by_misfit(
     places
         The coordinates.
     """
-    outcomes = zip(model.curves(places), places, strict=True)
+    outcomes = zip(misfit.curves(model, places), places, strict=True)
     found = [(np.inf if isinstance(c, str) else misfit.chi_square(c, u, weights), u) for c, u in outcomes]
     return sorted(found, key=lambda each: each[0])

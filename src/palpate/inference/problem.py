@@ -1,9 +1,8 @@
 """The data of a diagnosis: mean curves, and a forward model to which any set of mechanisms can be added.
 
 Coordinates of an explanation are those of the free material parameters, followed by those of its mechanisms'
-amplitudes, see `palpate.inference.coordinates`. All curves are in nm: where the displacement is prescribed, the load is
-converted to an equivalent depth (`palpate.study.quantity`), so that noise, drift and misfit of all conditions have one
-unit.
+amplitudes, see `palpate.models.coordinates`. All curves are in nm: other observables than depth are converted to
+equivalent depths (`palpate.observables.observable`), so that noise, drift and misfit of all conditions have one unit.
 """
 
 from __future__ import annotations
@@ -16,16 +15,16 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.coordinates import Coordinate, Coordinates
-from palpate.inference.finite_elements import FiniteElements
-from palpate.inference.forward import Curves, Forward
-from palpate.inference.observation import Observation
-from palpate.inference.study_scale import scale_of
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.models.finite_elements import FiniteElements
+from palpate.models.forward import Curves, Forward
+from palpate.observables.depth import DEPTH
+from palpate.solver.study_scale import scale_of
 from palpate.solver.variation import added_by_instrument
-from palpate.study.protocol import LOAD
 
 Explanation = tuple[str, ...]
 
@@ -39,7 +38,7 @@ class Problem:
     conditions
         The conditions that take part.
     recorded
-        The recordings of every condition, depths [nm] or loads [mN].
+        The recordings of every condition, each in the unit of its quantity.
     forward
         The base model under the conditions that take part.
     scale
@@ -68,7 +67,7 @@ class Problem:
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
         """Return the problem with each replicate brought to the load of its condition, with the material's `values`.
 
-        See `palpate.inference.own_loads`.
+        See `palpate.models.own_loads`.
         """
         if not any(item.own for item in self.recorded.values()):
             return self
@@ -81,8 +80,8 @@ class Problem:
 
     @cached_property
     def nm(self) -> dict[str, float]:
-        """Where the load answers: so many nm count as one mN."""
-        return {name: item.quantity.nm for name, item in self.recorded.items() if item.quantity.unit != "nm"}
+        """So many nm count as one unit of each condition's response."""
+        return {name: item.quantity.nm for name, item in self.recorded.items()}
 
     @property
     def names(self) -> list[str]:
@@ -116,16 +115,16 @@ class Problem:
 
     def stacked(self, parts: Curves) -> np.ndarray:
         """Return simulated curves or slopes (n_points, ...) of all conditions, one after the other, in nm."""
-        return np.concatenate([self.nm.get(name, 1.0) * parts[name] for name in self.names])
+        return np.concatenate([self.nm[name] * parts[name] for name in self.names])
 
     def responses(self, values: np.ndarray) -> dict[str, np.ndarray]:
         """Return stacked curves or slopes (n_all, ...) [nm] of each condition, in the unit of its response."""
-        return {name: part / self.nm.get(name, 1.0) for name, part in self.split(values).items()}
+        return {name: part / self.nm[name] for name, part in self.split(values).items()}
 
     def refinement(self, model: Forward, condition: Condition) -> np.ndarray:
         """Return what the last refinement of a model changed (n_points,) [nm], none where that is not known."""
         none = np.zeros(len(condition.protocol.sample_time))
-        return self.nm.get(condition.name, 1.0) * model.refinements.get(condition.name, none)
+        return self.nm[condition.name] * model.refinements.get(condition.name, none)
 
     def refinements(self, model: Forward) -> list[np.ndarray]:
         """Return the same for each condition, a list of (n_points,)."""
@@ -210,7 +209,7 @@ class Problem:
         part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
-        if protocol.control == LOAD:
+        if condition.observable.adds_instrument:
             return added_by_instrument({amplitude.key: amplitude.parameters(1.0)}, protocol)
         if condition.name in self.names:
             return _unit_loads(self, amplitude)[condition.name]
@@ -253,4 +252,5 @@ def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]
 
 def _as_depth(item: Observation) -> Observation:
     """Return what was measured in one condition in nm."""
-    return replace(item, response=item.quantity.nm * item.response, quantity=replace(item.quantity, unit="nm", nm=1.0))
+    quantity = replace(DEPTH, share=item.quantity.share)
+    return replace(item, response=item.quantity.nm * item.response, quantity=quantity)

@@ -9,9 +9,9 @@ from scipy.stats import qmc
 
 from palpate.inference.descent import Descent, Until
 from palpate.inference.fit_policy import FitPolicy
-from palpate.inference.forward import Forward
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.trust_region import descend
+from palpate.models.forward import Forward
 
 
 def scattered(number: int, policy: FitPolicy, rng: np.random.Generator) -> list[np.ndarray]:
@@ -39,5 +39,5 @@ def places(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], polic
 
 def _followed(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], policy: FitPolicy) -> Descent:
     """Return where searches with few samples lead from the best of some coordinates (k,)."""
-    best = [u for _, u in by_misfit(misfit, np.eye(len(misfit.scale)), cheaper, starts)][: policy.base_searches]
+    best = [u for _, u in by_misfit(misfit, np.eye(len(misfit.measured)), cheaper, starts)][: policy.base_searches]
     return descend(misfit, cheaper, best, Until(policy.base_iterations, policy.first_tolerance))

@@ -27,10 +27,9 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.errors import PalpateError
-from palpate.inference.damped_steps import Steps
-from palpate.inference.descent import LARGEST_STEP, Descent, Until
-from palpate.inference.forward import Curves, Forward
+from palpate.inference.descent import LARGEST_STEP, Descent, Steps, Until
 from palpate.inference.least_squares import Misfit
+from palpate.models.forward import Forward
 
 SHORTEST_STEP = 1e-3  # of the range of a parameter
 GROWTH = 4.0  # of the next steps' length over one that the slopes predicted well, which is still among those tried
@@ -68,7 +67,7 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
     searches = [search.anew() for search in begun]
     _check(until)
     points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
-    outcomes = model.tangents(points) if points else []
+    outcomes = misfit.tangents(model, points) if points else []
     searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
     if not searches:
         raise PalpateError(str(outcomes[0]))
@@ -83,13 +82,13 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
                 search.hopeless = search.hopeless + 1 if _hopeless(misfit, search, until.reach) else 0
                 search.active = not search.given_up
         _advance(misfit, model, [search for search in going if search.active], until)
-        rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curves) ** 2))) for search in searches}
+        rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curve) ** 2))) for search in searches}
         least.append(min(rms.values()))
         for search in searches:
             stalled = len(search.gains) >= STALLED and sum(search.gains[-STALLED:]) < until.least_gain
             search.active &= not stalled and (iteration < PATIENCE or rms[search] <= BEHIND * least[-1])
-    weights = misfit.weights(min(misfit.remainder(misfit.residual(search.curves)) for search in searches))
-    return min(searches, key=lambda search: misfit.chi_square(search.curves, search.u, weights))
+    weights = misfit.weights(min(misfit.remainder(misfit.residual(search.curve)) for search in searches))
+    return min(searches, key=lambda search: misfit.chi_square(search.curve, search.u, weights))
 
 
 def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Descent:
@@ -104,9 +103,9 @@ def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Desce
     misfit, model, until
         See `descend`, as the errors that are raised.
     """
-    (outcome,) = model.curves([way.u])
+    (outcome,) = misfit.curves(model, [way.u])
     if not isinstance(outcome, str):
-        return descend(misfit, model, [replace(way, curves=outcome, exact=False)], until)
+        return descend(misfit, model, [replace(way, curve=outcome, exact=False)], until)
     failed = outcome
     for start in reversed(way.path):
         try:
@@ -143,10 +142,10 @@ def gauss_newton(
             if predicted >= tolerance:
                 way.move(end, way.predicted(end))
             break
-        (curves,), here = model.curves([end]), misfit.chi_square(way.curves, way.u, steps.weights)
-        if isinstance(curves, str) or misfit.chi_square(curves, end, steps.weights) > here:
+        (curve,), here = misfit.curves(model, [end]), misfit.chi_square(way.curve, way.u, steps.weights)
+        if isinstance(curve, str) or misfit.chi_square(curve, end, steps.weights) > here:
             break
-        way.move(end, curves)
+        way.move(end, curve)
     return way
 
 
@@ -184,16 +183,16 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until:
             continue
         ways[search] = steps
         tried += [(search, *trial) for trial in steps.trials(search, count)]
-    outcomes = model.curves([u for _, u, _ in tried]) if tried else []
+    outcomes = misfit.curves(model, [u for _, u, _ in tried]) if tried else []
     for search, steps in ways.items():
-        here = best = misfit.chi_square(search.curves, search.u, steps.weights)
-        chosen: tuple[np.ndarray, Curves, float] | None = None
-        for (owner, u, length), curves in zip(tried, outcomes, strict=True):
-            if owner is search and not isinstance(curves, str):
-                search.last = search.last if chosen else search.departed(u, curves)
-                value = misfit.chi_square(curves, u, steps.weights)
+        here = best = misfit.chi_square(search.curve, search.u, steps.weights)
+        chosen: tuple[np.ndarray, np.ndarray, float] | None = None
+        for (owner, u, length), curve in zip(tried, outcomes, strict=True):
+            if owner is search and not isinstance(curve, str):
+                search.last = search.last if chosen else search.departed(u, curve)
+                value = misfit.chi_square(curve, u, steps.weights)
                 if value < best:
-                    best, chosen = value, (u, curves, length)
+                    best, chosen = value, (u, curve, length)
         search.gains.append(here - best)
         if chosen is None:
             search.length *= 0.5**count
@@ -201,29 +200,29 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until:
             if not search.exact:
                 outdated.append(search)
             continue
-        u, curves, length = chosen
+        u, curve, length = chosen
         straight = here - best >= LINEAR_ENOUGH * steps.predicted_decrease(u)
         slow = not search.exact and here - best < SLOW * promised[search]
         search.length = min(longer * length if straight else length, LARGEST_STEP)
-        search.move(u, curves)
+        search.move(u, curve)
         little = max(here - best, SLOW * promised[search]) < until.tolerance
         search.converged = little and (straight or not until.exact)
         search.active = not search.converged
         if not search.converged and (slow or not straight):
             outdated.append(search)
-    _renew(model, outdated)
+    _renew(misfit, model, outdated)
 
 
-def _renew(model: Forward, searches: Sequence[Descent]) -> None:
+def _renew(misfit: Misfit, model: Forward, searches: Sequence[Descent]) -> None:
     """Compute the exact derivatives at the searches' places; where the model fails, a search keeps those it has."""
-    outcomes = model.tangents([search.u for search in searches]) if searches else []
+    outcomes = misfit.tangents(model, [search.u for search in searches]) if searches else []
     for search, found in zip(searches, outcomes, strict=True):
         search.exact = True
         if isinstance(found, str):
             search.length *= 0.5
             search.active = search.length >= SHORTEST_STEP
         else:
-            search.curves, search.slopes = found
+            search.curve, search.tangent = found
 
 
 def _inside(misfit: Misfit, u: np.ndarray) -> np.ndarray:

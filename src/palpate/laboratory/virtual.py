@@ -3,7 +3,7 @@
 It simulates on a finer mesh and a finer time grid than the snapshots, with nodes between those of the mesh on which an
 estimate is confirmed, gives each recording its own depth factor (scatter between sites on the specimen) and adds noise
 that is correlated in time (a stationary Ornstein-Uhlenbeck process). Under displacement control factor and noise are
-those of the load that they amount to, see `palpate.study.quantity`, and the recorded depth is what the transducer
+those of the load that they amount to, see `palpate.observables.load`, and the recorded depth is what the transducer
 leaves of its displacement.
 """
 
@@ -19,11 +19,11 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
+from palpate.observables.observable import Quantity
 from palpate.recordings.recording import SYNTHETIC, Recording
 from palpate.recordings.recording_file import recording_files
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.protocol import Protocol
-from palpate.study.quantity import Quantity
 from palpate.study.specification import Specification
 
 DENSER = 4  # samples in place of each of a snapshot
@@ -114,11 +114,9 @@ def disturbed(
         Noise of the depth [nm].
     """
     protocol = replace(condition.protocol, sample_time=simulation.time)
-    quantity = Quantity.of(protocol, study.indenter, simulation.response)
+    quantity = Quantity.of(condition.observable, protocol, study.indenter, simulation.response)
     response = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
-    if quantity.name == "depth":
-        return simulation.load, response
-    return response, simulation.depth - protocol.compliance * (response - simulation.load)
+    return condition.observable.recorded(protocol, simulation, response)
 
 
 def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:

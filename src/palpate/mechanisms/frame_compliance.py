@@ -24,7 +24,6 @@ def plausible(scale: Scale) -> dict[str, Range]:
     return {"compliance": Range(-0.3 * whole, 0.3 * whole, typical=min(max(typical, SHARE * whole), 0.1 * whole))}
 
 
-
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
     """Add compliance * load.
 

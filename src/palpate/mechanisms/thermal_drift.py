@@ -24,7 +24,6 @@ def plausible_rates(scale: Scale) -> Range:
     return Range(-0.3 * whole, 0.3 * whole, typical=min(max(TYPICAL, SHARE * whole), 0.1 * whole))
 
 
-
 def record(time: np.ndarray, load: np.ndarray, depth: np.ndarray, values: Values) -> np.ndarray:
     """Add rate * t.
 

@@ -1,7 +1,7 @@
 """Tip angle: the cone is blunter or sharper than nominal.
 
-ISO 14577-2 allows 0.3 degrees for the faces of a Berkovich pyramid, whose equivalent cone then differs by as much; cones are
-ground to about a degree.
+ISO 14577-2 allows 0.3 degrees for the faces of a Berkovich pyramid, whose equivalent cone then differs by as much.
+Cones are ground to about a degree.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from palpate.study.indenter import HALF_ANGLE
 from palpate.study.specification import Specification
 
 TYPICAL = 1.0  # deg
+
 
 def simulate(specification: Specification, values: Values) -> Specification:
     """Put the true half-angle in place of the nominal one; a pyramid's is that of its equivalent cone.

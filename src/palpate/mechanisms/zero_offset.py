@@ -1,7 +1,7 @@
 """Zero offset: contact was found too early or too late, so all depths of a recording are off by a constant.
 
-Instruments find it to some nanometres (ISO 14577-1 allows 1 % of the largest depth). Recordings whose contact was sought
-state the interval that holds it.
+Instruments find it to some nanometres (ISO 14577-1 allows 1 % of the largest depth). Recordings whose contact was
+sought state the interval that holds it.
 """
 
 from __future__ import annotations

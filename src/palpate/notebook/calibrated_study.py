@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.configuration.study_file import Study
-from palpate.inference.study_recordings import resampled
+from palpate.data.study_recordings import resampled
 from palpate.notebook.notebook_study import study_of
 from palpate.notebook.session import kept_results
 from palpate.notebook.study_tests import Given, StudyTests

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.configuration.study_file import Study
+from palpate.data.recording_checks import checked_recording
+from palpate.data.study_recordings import check, check_source, check_tests, written_by_workflow
 from palpate.errors import InputError
-from palpate.inference.recording_checks import checked_recording
-from palpate.inference.study_recordings import check, check_source, check_tests, written_by_workflow
 from palpate.laboratory import virtual
 from palpate.notebook.measured_test import MeasuredTest, read_recording
 from palpate.notebook.simulated_curve import SimulatedCurve

@@ -12,6 +12,7 @@ from string import Template
 import numpy as np
 import pandas as pd
 
+from palpate.observables import UNITS
 from palpate.output.rounding import rounded, unit_html
 
 PAGE = Template("""<!doctype html>
@@ -89,7 +90,7 @@ def shown(frame: pd.DataFrame) -> pd.DataFrame:
 
 def heading(name: str) -> str:
     """Return what a table shows of a column's name: words, and the unit in brackets."""
-    for unit in ("nm", "mN"):
+    for unit in UNITS:
         if name.endswith(f"_{unit}"):
             return f"{name.removesuffix(f'_{unit}').replace('_', ' ')} [{unit}]"
     return name.replace("_", " ")

@@ -14,6 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
+from palpate.study.recorded_history import recorded
 
 LONGEST = 0.05  # of the test, the largest shift
 TRIALS = 201  # shifts before the minimum is refined
@@ -42,3 +43,16 @@ def aligned(recording: Recording, protocol: Protocol) -> Recording:
     """Return the recording on the protocol's clock."""
     time = recording.time - time_shift(recording, protocol)
     return replace(recording, time=time).at(time > 0.0)
+
+
+def own_protocol(protocol: Protocol, recording: Recording) -> Protocol:
+    """Return the history of one recording's own drive, sampled at the same parts of its duration as a condition's."""
+    drive = protocol.drive_of(recording.load, recording.depth)
+    own = recorded(recording.time, drive, control=protocol.control, compliance=protocol.compliance)
+    times = protocol.sample_time * (own.knot_time[-1] / protocol.knot_time[-1])
+    return replace(own, sample_time=np.minimum(times, own.knot_time[-1]))
+
+
+def stretched(protocol: Protocol, recording: Recording) -> Recording:
+    """Return a recording on a clock on which it lasts as long as the history of its condition."""
+    return replace(recording, time=recording.time * (protocol.knot_time[-1] / recording.time[-1]))

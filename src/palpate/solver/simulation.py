@@ -10,6 +10,7 @@ import numpy as np
 
 from palpate.errors import InputError, PalpateError, part_of
 from palpate.mechanisms import checked_mechanisms
+from palpate.observables import OBSERVABLES, response_to
 from palpate.solver.axisymmetric.discretisation import FEW_SECTORS, RESOLUTIONS, SAME
 from palpate.solver.axisymmetric.fields import Fields, Moment
 from palpate.solver.axisymmetric.history import History
@@ -77,7 +78,7 @@ class Simulation:
     solver_seconds
         Wall time spent in the solver [s].
     quantity
-        What the response to the drive is: ``depth`` or ``load``.
+        Name of the observable that is its response.
     """
 
     time: np.ndarray
@@ -90,8 +91,8 @@ class Simulation:
 
     @property
     def response(self) -> np.ndarray:
-        """Response to the drive (n,): the depth [nm], or under displacement control the load [mN]."""
-        return self.load if self.quantity == LOAD else self.depth
+        """Response to the drive (n,), in the unit of its observable."""
+        return OBSERVABLES[self.quantity].of_simulation(self)
 
 
 def simulate(specification: Specification, radii: np.ndarray | None = None) -> Simulation:
@@ -137,7 +138,9 @@ def _simulation(specification: Specification, history: History) -> Simulation:
         depth = np.where(sunk, np.nan, depth)
         load = load if protocol.control == LOAD else np.where(sunk, np.nan, load)
     depth = applied_to_signal(specification, depth, load)
-    return Simulation(time, load, depth, "failed" if reason else "ok", reason, history.seconds, protocol.response)
+    return Simulation(
+        time, load, depth, "failed" if reason else "ok", reason, history.seconds, response_to(protocol).name
+    )
 
 
 def differentiated(

@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from palpate.base.fingerprint import fingerprint
 from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import InputError, PalpateError
+from palpate.observables import OBSERVABLES
 from palpate.solver.axisymmetric.lanes import LANES
 from palpate.solver.simulation import Simulation, alike, simulate_batch
 from palpate.study.specification import Specification, of_equivalent_cone
@@ -265,7 +267,7 @@ def curves_under(files: Iterable[str | Path], condition: str) -> list[dict[str, 
 def matrix(contents: Iterable[Mapping[str, Any]], names: Iterable[str]) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Return parameters (n, d) and responses (n, points) of the snapshots that succeeded, and why others failed.
 
-    The response is the depth [nm], or under displacement control the load [mN].
+    The response is in the unit of its observable.
 
     Raises
     ------
@@ -277,7 +279,7 @@ def matrix(contents: Iterable[Mapping[str, Any]], names: Iterable[str]) -> tuple
     for found in contents:
         if found["status"] == "ok":
             parameters.append([found["parameters"][name] for name in names])
-            curves.append(found[found["quantity"]])
+            curves.append(OBSERVABLES[found["quantity"]].of_simulation(SimpleNamespace(**found)))
         else:
             failures.append(f"{found['parameters']}: {found['reason']}")
     if len(curves) < 2:

@@ -21,7 +21,8 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS, Mechanism
 from palpate.mechanisms.mechanism import Values, unchanged_depth
-from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol
+from palpate.observables import response_to
+from palpate.study.protocol import DISPLACEMENT, Protocol
 from palpate.study.specification import Specification
 
 LINEAR = 1e-9  # relative and absolute [nm], within which what is added counts as linear
@@ -92,7 +93,8 @@ def added_by_instrument(mechanisms: Mapping[str, Mapping[str, float]], protocol:
     Zero where a displacement is prescribed: there it changes the displacement of the body.
     """
     none = np.zeros(len(protocol.sample_time))
-    return none if protocol.control != LOAD else _written(mechanisms, protocol.sample_time, protocol.sample_load, none)
+    adds = response_to(protocol).adds_instrument
+    return _written(mechanisms, protocol.sample_time, protocol.sample_load, none) if adds else none
 
 
 def _written(

@@ -86,11 +86,6 @@ class Protocol:
         return "mN" if self.control == LOAD else "nm"
 
     @property
-    def response(self) -> str:
-        """Name of the response to the drive: ``depth`` or ``load``."""
-        return "depth" if self.control == LOAD else LOAD
-
-    @property
     def largest_drive(self) -> float:
         """Largest load [mN] or displacement [nm] that is prescribed."""
         return float(self.knot_drive.max())

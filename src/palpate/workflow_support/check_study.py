@@ -10,17 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from palpate.configuration.study_file import Study
+from palpate.data.measures import check_measurable
+from palpate.data.observation import Observation
+from palpate.data.study_recordings import Look, check_given, resampled, written_by_workflow
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
-from palpate.inference.measures import check_measurable
-from palpate.inference.observation import Observation
-from palpate.inference.study_recordings import Look, check_given, resampled, written_by_workflow
 from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.study.indenter import check_cone
-from palpate.study.protocol import LOAD
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
 
@@ -34,7 +33,7 @@ def checked(study: Study, look: Look | None = None) -> Study:
     Parameters
     ----------
     look
-        See `palpate.inference.study_recordings.check_given`.
+        See `palpate.data.study_recordings.check_given`.
 
     Raises
     ------
@@ -98,7 +97,7 @@ def _check_recorded(study: Study, recorded: Mapping[str, list[Recording]]) -> No
     if study.calibration["objective"] == "relative":
         check_objective(study, resampled(study, recorded))
     if study.diagnosis["enabled"] and "reference" in study.diagnosis:
-        pressed = [condition.name for condition in study.calibrated if condition.protocol.control == LOAD]
+        pressed = [condition.name for condition in study.calibrated if condition.observable.is_depth]
         with part_of("diagnosis.reference"):
             law_of_reference([test for name in pressed for test in recorded[name]], study)
 

@@ -12,8 +12,8 @@ from typing import Any
 
 from palpate.base.checksum import checksum
 from palpate.configuration.study_file import Study
+from palpate.data.study_recordings import with_stiffness
 from palpate.errors import PalpateError
-from palpate.inference.study_recordings import with_stiffness
 from palpate.recordings.recording_file import recording_files
 from palpate.workflow_support.result_files import read_json
 

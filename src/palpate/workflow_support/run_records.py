@@ -32,6 +32,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.inference.calibration_result import rmse
+from palpate.observables import UNITS
 from palpate.workflow_support.manifest import git_commit
 from palpate.workflow_support.result_files import write_json
 
@@ -120,7 +121,7 @@ def calibration_metrics(content: Mapping[str, Any]) -> dict[str, float]:
 
 def errors_of_base(content: Mapping[str, Any]) -> dict[str, float]:
     """Return the errors of the base model, by role and unit, as far as there are any."""
-    errors = {(role, unit): rmse(content, role, unit) for role in ROLES for unit in ("nm", "mN")}
+    errors = {(role, unit): rmse(content, role, unit) for role in ROLES for unit in UNITS}
     return {f"before_{ROLES[role]}_{unit}": error for (role, unit), error in errors.items() if error is not None}
 
 

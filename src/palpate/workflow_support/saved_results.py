@@ -8,8 +8,8 @@ from pathlib import Path
 import pandas as pd
 
 from palpate.configuration.study_file import Study
+from palpate.data.study_recordings import check
 from palpate.errors import InputError
-from palpate.inference.study_recordings import check
 from palpate.output.saved_set import SavedSet
 from palpate.workflow_support.result_files import read_json
 

@@ -11,14 +11,14 @@ import numpy as np
 import pandas as pd
 
 from palpate.configuration.study_file import Study
+from palpate.data.observation import Observation
+from palpate.data.study_recordings import observations
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import CalibrationOutcome
-from palpate.inference.observation import Observation
-from palpate.inference.own_loads import brought_to_one_load
 from palpate.inference.problem import Problem
-from palpate.inference.study_recordings import observations
+from palpate.models.own_loads import brought_to_one_load
+from palpate.observables import OBSERVABLES
 from palpate.solver import store
-from palpate.study.quantity import UNITS
 from palpate.surrogate import PODRBF
 from palpate.surrogate.genetic import GeneticSettings
 from palpate.surrogate.missing import checked_missing
@@ -43,7 +43,7 @@ def fit_surrogate(
     cells, failed = [found["parameters"] for found in contents], [found["status"] != "ok" for found in contents]
     missing = checked_missing(condition, cells, failed)
     parameters, curves, failures = store.matrix(contents, study.levels)
-    unit = UNITS[contents[0]["quantity"]]
+    unit = OBSERVABLES[contents[0]["quantity"]].unit
     model = PODRBF(**study.surrogate).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
@@ -67,7 +67,7 @@ def fit_surrogate(
 def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
     """Return the root mean square over the snapshots of error / curve, in the mean along the curve, in per cent.
 
-    As in `palpate.inference.measures.error_measures`, values below 1 % of their curve's largest are left out: what is
+    As in `palpate.data.measures.error_measures`, values below 1 % of their curve's largest are left out: what is
     left of a recovered body's depth is rounding.
 
     Parameters

@@ -4,7 +4,7 @@ import functools
 from pathlib import Path
 
 from palpate.configuration.study_file import load_study
-from palpate.inference.study_recordings import check
+from palpate.data.study_recordings import check
 from palpate.output.saved_set import SavedSet
 from palpate.output.written_figures import write_figures
 from palpate.workflow_support import job

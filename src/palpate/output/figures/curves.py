@@ -9,6 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from palpate.observables import OBSERVABLES, UNITS, Observable
+from palpate.observables.depth import DEPTH
 from palpate.output.figures.paper_figure import PaperFigure, bottom_row, first_column, grid, legend_below
 from palpate.output.figures.style import ACCEPTED, BASE, RECORDED, SERIES
 from palpate.output.saved_set import ALL, SavedSet
@@ -29,16 +31,23 @@ def table(saved: SavedSet) -> pd.DataFrame:
 
 def of_fit(curves: pd.DataFrame, labels: dict[str, str] | None = None) -> pd.DataFrame:
     """Return the curves of a calibration: condition, label, role, time, drive, recorded and base model's response."""
-    found = curves.rename(columns={f"simulated_{unit}": f"base_{unit}" for unit in ("nm", "mN")})
+    found = curves.rename(columns={f"simulated_{unit}": f"base_{unit}" for unit in UNITS})
     found = found.drop(columns=[name for name in found if str(name).startswith(("spread_", "surrogate_"))])
     known = labels or {}
     found.insert(1, "label", [known.get(name, name) for name in found["condition"]])
     return found
 
 
+def observed_in(curve: pd.DataFrame) -> Observable:
+    """Return the observable of a condition's part of a table of curves; depth where nothing was recorded."""
+    columns = {each.column("recorded"): each for each in OBSERVABLES.values()}
+    found = (each for name, each in columns.items() if name in curve and curve[name].notna().any())
+    return next(found, DEPTH.observable)
+
+
 def unit_of(curve: pd.DataFrame) -> str:
     """Return the unit of the response in a condition's part of a table of curves."""
-    return "mN" if "recorded_mN" in curve and curve["recorded_mN"].notna().any() else "nm"
+    return observed_in(curve).unit
 
 
 def response(curve: pd.DataFrame, name: str) -> pd.Series | None:
@@ -48,10 +57,15 @@ def response(curve: pd.DataFrame, name: str) -> pd.Series | None:
 
 
 def drawn_as(curve: pd.DataFrame, values: pd.Series) -> tuple[pd.Series, pd.Series]:
-    """Return what is drawn of a response: the load over a depth, or a load over the time."""
-    if unit_of(curve) == "nm" and "load_mN" in curve and curve["load_mN"].notna().any():
+    """Return what is drawn of a response: the load over it, or it over the time."""
+    if observed_in(curve).drawn_over == "load" and "load_mN" in curve and curve["load_mN"].notna().any():
         return values, curve["load_mN"]
     return curve["time_s"], values
+
+
+def under_load(curve: pd.DataFrame, values: pd.Series) -> bool:
+    """Return whether a response is drawn across, and the load upwards."""
+    return drawn_as(curve, values)[0] is values
 
 
 def draw(figure: Figure, frame: pd.DataFrame) -> None:
@@ -70,11 +84,9 @@ def draw(figure: Figure, frame: pd.DataFrame) -> None:
         axis.plot(*points, "o", color=RECORDED, ms=2.4, mfc="none", mew=0.6, zorder=3, label="recorded")
         axis.set_title(f"{curve['label'].iloc[0]}{ROLES[curve['role'].iloc[0]]}")
         if bottom_row(axes, k):
-            over_depth = drawn_as(curve, recorded)[0] is recorded
-            axis.set_xlabel("depth [nm]" if over_depth else "time [s]")
+            axis.set_xlabel(observed_in(curve).label if under_load(curve, recorded) else "time [s]")
         if first_column(axes, k):
-            in_load = unit_of(curve) == "mN" or drawn_as(curve, recorded)[0] is recorded
-            axis.set_ylabel("load [mN]" if in_load else "depth [nm]")
+            axis.set_ylabel("load [mN]" if under_load(curve, recorded) else observed_in(curve).label)
         axis.set_xlim(left=0)
         axis.set_ylim(bottom=0)
     legend_below(figure, axes[0])
@@ -82,13 +94,14 @@ def draw(figure: Figure, frame: pd.DataFrame) -> None:
 
 def together(axis: Axes, frame: pd.DataFrame) -> None:
     """Draw the recorded and the base model's curves of all conditions on the same axes, one colour a condition."""
-    kinds = {unit_of(curve) for _, curve in frame.groupby("condition", sort=False)}
+    kinds = {observed_in(curve) for _, curve in frame.groupby("condition", sort=False)}
     for (name, curve), colour in zip(frame.groupby("condition", sort=False), cycle(SERIES)):
         for key, style in (("recorded", "o"), ("base", "-")):
             if (values := response(curve, key)) is not None:
                 label = str(name) if key == "base" else None
                 axis.plot(*drawn_as(curve, values), style, color=colour, ms=2.5, mfc="none", mew=0.6, label=label)
-    axis.set_xlabel(" or ".join("depth [nm]" if unit == "nm" else "time [s]" for unit in sorted(kinds)))
+    across = {"time [s]" if each.drawn_over == "time" else each.label for each in kinds}
+    axis.set_xlabel(" or ".join(sorted(across, reverse=True)))
     axis.set_ylabel("load [mN]")
     axis.set_title("points: recorded; lines: finite elements")
     axis.legend()

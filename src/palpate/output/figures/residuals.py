@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from palpate.observables import UNITS
 from palpate.output.figures.curves import ROLES, of_fit, response, unit_of
 from palpate.output.figures.paper_figure import PaperFigure, bottom_row, first_column, grid, legend_below
 from palpate.output.figures.style import ACCEPTED, BASE
@@ -24,11 +25,11 @@ def table(saved: SavedSet) -> pd.DataFrame:
         models = ["base", *(["accepted"] if saved.accepted else [])]
     else:
         found, models = of_fit(saved.fits[ALL], labels), ["base"]
-        for unit in ("nm", "mN"):
+        for unit in UNITS:
             if f"spread_{unit}" in saved.fits[ALL]:
                 found[f"band_{unit}"] = COVERED * saved.fits[ALL][f"spread_{unit}"].to_numpy()
     columns = {key: found[key] for key in ("condition", "label", "role", "time_s")}
-    for unit in ("nm", "mN"):
+    for unit in UNITS:
         for name in models:
             if f"{name}_{unit}" in found:
                 columns[f"{name}_{unit}"] = found[f"recorded_{unit}"] - found[f"{name}_{unit}"]
@@ -76,8 +77,8 @@ def seen(frame: pd.DataFrame) -> str:
     """Return the root mean square residual of each model, over all tests."""
     texts = []
     for name, words in (("base", "the base model"), ("accepted", "the accepted model")):
-        columns = [frame[f"{name}_{unit}"].dropna() for unit in ("nm", "mN") if f"{name}_{unit}" in frame]
-        units = [unit for unit in ("nm", "mN") if f"{name}_{unit}" in frame]
+        columns = [frame[f"{name}_{unit}"].dropna() for unit in UNITS if f"{name}_{unit}" in frame]
+        units = [unit for unit in UNITS if f"{name}_{unit}" in frame]
         texts += [
             f"that of {words} is {float(np.sqrt(np.mean(values**2))):.3g} {unit}"
             for values, unit in zip(columns, units, strict=True)

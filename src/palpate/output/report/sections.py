@@ -65,7 +65,7 @@ def _curves(found: Answer, picture: Picture) -> list[str]:
     over = (
         '<option value="time">time</option><option value="drive">load</option><option value="response">depth</option>'
     )
-    if found.saved.study.condition(drawn[0]).protocol.control != "load":
+    if not found.saved.study.condition(drawn[0]).observable.is_depth:
         over = over.replace(">load<", ">displacement<").replace(">depth<", ">response<")
     static = "".join(map(picture, ("curves", "residuals")))
     return [

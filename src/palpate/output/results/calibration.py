@@ -14,13 +14,14 @@ from matplotlib.axes import Axes
 from palpate.base.parameters import in_words
 from palpate.configuration.study_file import Study
 from palpate.inference.calibration_result import MOST_MISFIT
+from palpate.observables import OBSERVABLES, UNITS
 from palpate.output.figures import curves as curves_figure
 from palpate.output.rounding import interval_of, rounded
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 from palpate.recordings.recording import Recording
 
-ERRORS = ("rmse_nm", "rmse_mN", "r2", "mean_abs_error_nm", "mean_abs_error_mN", "percent_error")
+ERRORS = (*(f"rmse_{u}" for u in UNITS), "r2", *(f"mean_abs_error_{u}" for u in UNITS), "percent_error")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,15 +101,15 @@ class Calibration(Shown):
 
     def error_sentence(self) -> str:
         """Return the root mean square errors over the conditions."""
-        errors = [entry["rmse_nm"] for entry in self.content["conditions"].values()]
-        loads = [entry["rmse_mN"] for entry in self.content["conditions"].values() if "rmse_mN" in entry]
-        span = f"Root mean square misfit {_span(errors)} nm over the conditions."
-        if not loads:
-            return span
-        return (
-            f"{span} Under displacement control the misfit of the load is {_span(loads)} mN; "
-            "in nm it is the equivalent difference of depth under the same load."
-        )
+        entries = self.content["conditions"].values()
+        text = f"Root mean square misfit {_span([entry['rmse_nm'] for entry in entries])} nm over the conditions."
+        for each in (each for each in OBSERVABLES.values() if each.unit != "nm"):
+            if errors := [entry[each.column("rmse")] for entry in entries if each.column("rmse") in entry]:
+                text += (
+                    f" Under {each.control} control the misfit of the {each.name} is {_span(errors)} {each.unit}; "
+                    "in nm it is the equivalent difference of depth under the same load."
+                )
+        return text
 
     def misfit_sentence(self) -> str:
         """Return what chi-square says of the base model."""

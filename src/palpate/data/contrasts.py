@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import helmert
 
-from palpate.inference.noise import point_noise, slope_by_rho
+from palpate.data.noise import point_noise, slope_by_rho
 
 DEGREE = 3  # of the polynomials that count as slow trends
 LEAST_LEFT = 0.25  # of the points, beside slow trends

@@ -1,7 +1,7 @@
 """The finite elements as searches see them: the body's curves, anchored to accurate ones, and the instrument added.
 
 Without anchors they are those of one level of fidelity. With anchors a fast level is scaled, see
-`palpate.inference.anchors`. Derivatives by the parameters of creep, and by what changes the shape of the tip, are off
+`palpate.models.anchors`. Derivatives by the parameters of creep, and by what changes the shape of the tip, are off
 by 1 to 3 % on the usual mesh. What friction, adhesion or yielding does depends on the edge of contact: derivatives by
 the first two are off by 10 to 12 %, those by a hardening by tens of per cent, and least squares with them end elsewhere
 than with a finer mesh. So there a search ends with derivatives of a mesh that is finer by one degree than the study's,
@@ -18,15 +18,15 @@ from functools import cached_property
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import Observation
 from palpate.errors import PalpateError
-from palpate.inference.anchors import Anchor, Anchors, anchors_at, richardson, richardson_at
-from palpate.inference.body_model import BodyModel
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.fidelity import COARSE, FINE, MEDIUM, SEARCH, STUDY, Level, kept
-from palpate.inference.forward import Curves
-from palpate.inference.observation import Observation
-from palpate.inference.own_loads import brought_to_one_load
 from palpate.mechanisms import Mechanism, Scale
+from palpate.models.anchors import Anchor, Anchors, anchors_at, richardson, richardson_at
+from palpate.models.body_model import BodyModel
+from palpate.models.coordinates import Coordinates
+from palpate.models.fidelity import COARSE, FINE, MEDIUM, SEARCH, STUDY, Level, kept
+from palpate.models.forward import Curves
+from palpate.models.own_loads import brought_to_one_load
 from palpate.solver.variation import applied_to_body
 from palpate.study.specification import Specification
 
@@ -37,7 +37,7 @@ PYRAMID_NEAR = 0.2  # the same where the mechanisms that joined only add to the 
 
 @dataclass(frozen=True, eq=False)
 class FiniteElements:
-    """The finite elements under some conditions, as a `palpate.inference.forward.Forward`.
+    """The finite elements under some conditions, as a `palpate.models.forward.Forward`.
 
     Parameters
     ----------

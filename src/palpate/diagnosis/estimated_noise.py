@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cho_solve
 
+from palpate.data.noise import FURTHEST, NoiseModel
 from palpate.inference.explanation import Fit
-from palpate.inference.noise import FURTHEST, NoiseModel
 
 
 def adjusted(fit: Fit, design: np.ndarray, covariance: np.ndarray, place: int) -> tuple[float, float]:

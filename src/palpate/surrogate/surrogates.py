@@ -1,4 +1,4 @@
-"""Surrogates of several conditions over one box of parameters, in the coordinates of a search."""
+"""Surrogates of several conditions over one box of parameters, whose coordinates are those of the unit cube."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Protocol
 import numpy as np
 
 from palpate.errors import InputError
-from palpate.inference.coordinates import Coordinate, Coordinates
 
 
 class Predictor(Protocol):
@@ -45,19 +44,25 @@ class Surrogates:
             if not lower <= upper:
                 problem = f"bounds of {name} are {lower!r} to {upper!r}"
                 raise InputError(problem, remedy="put the smaller first", place=name)
+        if not self.free:
+            remedy = "give one of them at least two levels"
+            raise InputError("every parameter is held", remedy=remedy, place="parameters")
 
     @cached_property
-    def coordinates(self) -> Coordinates:
-        """Of the free parameters, linear in them."""
-        free = [Coordinate(name, *pair, *pair) for name, pair in self.bounds.items() if pair[0] < pair[1]]
-        return Coordinates(free, {name: lower for name, (lower, upper) in self.bounds.items() if lower == upper})
+    def free(self) -> list[str]:
+        """Names of the parameters that are not held, in the order of the coordinates."""
+        return [name for name, (lower, upper) in self.bounds.items() if lower < upper]
 
     def parameters(self, points: np.ndarray) -> np.ndarray:
-        """Return the predictors' columns (n, p), in the parameters' units, at points (n, k)."""
-        free = dict(zip(self.coordinates.names, zip(self.coordinates.free, points.T, strict=True), strict=True))
-        columns = {name: coordinate.physical(column) for name, (coordinate, column) in free.items()}
-        held = {name: np.full(len(points), value) for name, value in self.coordinates.held.items()}
-        return np.column_stack([(columns | held)[name] for name in self.bounds])
+        """Return the predictors' columns (n, p), in the parameters' units, at points (n, k) of the unit cube."""
+        lower, upper = np.array(list(self.bounds.values())).T
+        whole = np.zeros((len(points), len(lower)))
+        whole[:, [name in self.free for name in self.bounds]] = points
+        return np.clip(lower + whole * (upper - lower), lower, upper)
+
+    def named(self, point: np.ndarray) -> dict[str, float]:
+        """Return all parameters by name at a point (k,)."""
+        return dict(zip(self.bounds, map(float, self.parameters(point[None])[0]), strict=True))
 
     def at(self, points: np.ndarray) -> list[dict[str, np.ndarray]]:
         """Return the curve (n_points,) of each condition at each of the points (n, k)."""

@@ -17,29 +17,13 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import Observation
 from palpate.errors import PalpateError
-from palpate.inference.observation import Observation
-from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
-from palpate.study.protocol import Protocol
-from palpate.study.recorded_history import recorded
 from palpate.study.specification import of_equivalent_cone
 
 
-def own_protocol(protocol: Protocol, recording: Recording) -> Protocol:
-    """Return the history of one recording's own drive, sampled at the same parts of its duration as a condition's."""
-    drive = protocol.drive_of(recording.load, recording.depth)
-    own = recorded(recording.time, drive, control=protocol.control, compliance=protocol.compliance)
-    times = protocol.sample_time * (own.knot_time[-1] / protocol.knot_time[-1])
-    return replace(own, sample_time=np.minimum(times, own.knot_time[-1]))
-
-
-def stretched(protocol: Protocol, recording: Recording) -> Recording:
-    """Return a recording on a clock on which it lasts as long as the history of its condition."""
-    return replace(recording, time=recording.time * (protocol.knot_time[-1] / recording.time[-1]))
-
-
-def refused(reason: str) -> None:
+def raise_failure(reason: str) -> None:
     """Raise `PalpateError` with a reason, where tests under other loads would count as they are."""
     raise PalpateError(reason)
 

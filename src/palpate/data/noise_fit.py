@@ -23,8 +23,8 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from palpate.inference.contrasts import Replicates
-from palpate.inference.noise import NoiseModel, largest_autocorrelation
+from palpate.data.contrasts import Replicates
+from palpate.data.noise import NoiseModel, largest_autocorrelation
 
 SMALLEST_SIGMA = 1e-5  # of the largest depth
 SMALLEST_VARIANCE = 1e-12

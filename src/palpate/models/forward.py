@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 
 from palpate.configuration.study_file import Condition
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.observation import Observation
+from palpate.data.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
+from palpate.models.coordinates import Coordinates
 from palpate.study.specification import Specification
 
 Curves = Mapping[str, np.ndarray]

@@ -10,10 +10,10 @@ import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import InputError
-from palpate.inference.coordinates import Coordinates
-from palpate.inference.fidelity import STUDY, Level
-from palpate.inference.forward import Curves
 from palpate.mechanisms import Mechanism, Scale
+from palpate.models.coordinates import Coordinates
+from palpate.models.fidelity import STUDY, Level
+from palpate.models.forward import Curves
 from palpate.solver.simulation import Simulation, differentiated, points_per_batch, simulate_batch
 from palpate.solver.variation import Variation, added_by_instrument, applied_to_body
 from palpate.study.protocol import Protocol

@@ -24,7 +24,7 @@ from scipy.linalg import toeplitz
 from scipy.special import expit, logit
 
 LARGEST_AUTOCORRELATION = 0.99  # of neighbouring points: it falls to 1/e over 100 points
-LARGEST_UNREPLICATED_AUTOCORRELATION = 0.9  # over ten points, see `palpate.inference.noise_fit`
+LARGEST_UNREPLICATED_AUTOCORRELATION = 0.9  # over ten points, see `palpate.data.noise_fit`
 FURTHEST = 2.0  # by which the logarithm of a variance, or logit rho, may miss its estimate
 
 

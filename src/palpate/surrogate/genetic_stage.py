@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.data.measures import OBJECTIVES, check_measurable
+from palpate.data.observation import Observation
 from palpate.errors import InputError
-from palpate.inference.measures import OBJECTIVES, check_measurable
-from palpate.inference.observation import Observation
-from palpate.inference.surrogates import Surrogates
 from palpate.surrogate.genetic import Evaluate, Evolution, GeneticSettings, evolve
+from palpate.surrogate.surrogates import Surrogates
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class GeneticOptimum:
     def starts(self) -> list[dict[str, float]]:
         """Parameters at the least sum of objectives, and at the least of each objective."""
         others = sorted({int(i) for i in self.evolution.objectives.argmin(axis=0)} - {self._best})
-        return [self.model.coordinates.named(self.evolution.points[i]) for i in (self._best, *others)]
+        return [self.model.named(self.evolution.points[i]) for i in (self._best, *others)]
 
     @property
     def values(self) -> dict[str, float]:
@@ -95,7 +95,7 @@ def genetic_search(
     """
     _check_consistent(model, observations, objective)
     evaluate = _objectives(model, observations, objective, aggregated)
-    return GeneticOptimum(model, evolve(evaluate, len(model.coordinates.free), settings, rng))
+    return GeneticOptimum(model, evolve(evaluate, len(model.free), settings, rng))
 
 
 def _check_consistent(model: Surrogates, observations: Mapping[str, Observation], objective: str) -> None:
@@ -105,7 +105,7 @@ def _check_consistent(model: Surrogates, observations: Mapping[str, Observation]
         check_measurable(name, item.mean, objective)
         if name not in model.predictors:
             raise InputError(f"condition {name} has no surrogate", remedy="fit one", place=name)
-        middle = model.parameters(np.full((1, len(model.coordinates.free)), 0.5))
+        middle = model.parameters(np.full((1, len(model.free)), 0.5))
         predicted = model.predictors[name].predict(middle).shape[1]
         if predicted != len(item.time):
             raise InputError(
@@ -114,7 +114,7 @@ def _check_consistent(model: Surrogates, observations: Mapping[str, Observation]
                 place=name,
             )
     points = sum(len(item.time) for item in observations.values())
-    if points < (free := len(model.coordinates.free)):
+    if points < (free := len(model.free)):
         raise InputError(f"{points} points cannot fix {free} parameters", remedy="give more points or hold parameters")
 
 
@@ -123,7 +123,7 @@ def _objectives(
 ) -> Evaluate:
     """Return what gives a generation (n, k) its objectives (n, m): one for each condition, or their sum.
 
-    Loads count as depths, by `palpate.study.quantity.Quantity.nm`, so that the sum is one of like with like.
+    All count as depths, by `palpate.observables.observable.Quantity.nm`, so that the sum is one of like with like.
     """
     measure = OBJECTIVES[objective]
     measured = {name: (item.mean, item.quantity.nm) for name, item in observations.items()}

@@ -75,9 +75,7 @@ class Coordinate:
     def of_amplitude(cls, mechanism: Mechanism, name: str, searched: Range) -> Coordinate:
         """Return the coordinate of a quantity of a mechanism; it is called ``key.name``."""
         limits = mechanism.limits(name, searched)
-        return cls(
-            f"{mechanism.key}.{name}", searched.lower, searched.upper, *limits, searched.log, searched.typical
-        )
+        return cls(f"{mechanism.key}.{name}", searched.lower, searched.upper, *limits, searched.log, searched.typical)
 
     @property
     def offset(self) -> float:

@@ -20,9 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.base.interpolation import smooth_between
-from palpate.inference.body_model import BodyModel
-from palpate.inference.fidelity import COARSE, FINE, MEDIUM, PYRAMID, RECORD, SEARCH, STUDY, Level, kept
 from palpate.mechanisms import Mechanism
+from palpate.models.body_model import BodyModel
+from palpate.models.fidelity import COARSE, FINE, MEDIUM, PYRAMID, RECORD, SEARCH, STUDY, Level, kept
 from palpate.study.protocol import Protocol
 
 NO_DEPTH = 1e-6  # of the largest depth: below it an elastic body is unloaded
@@ -37,7 +37,7 @@ class Anchor:
     accurate : ndarray, shape (n_points,)
         At all samples.
     fast : ndarray, shape (n_kept,)
-        At those that are kept, see `palpate.inference.fidelity.kept`.
+        At those that are kept, see `palpate.models.fidelity.kept`.
     mesh_change : ndarray, shape (n_points,)
         By how much the accurate model differs from that on the study's mesh, where known.
     slope_correction : ndarray, shape (n_points, k)

@@ -8,10 +8,9 @@ from functools import partial
 import numpy as np
 
 from palpate.configuration.study_file import Condition, Study
+from palpate.data.observation import WHOLE
 from palpate.errors import InputError
-from palpate.inference.observation import WHOLE
-from palpate.inference.own_loads import stretched
-from palpate.recordings.alignment import aligned
+from palpate.recordings.alignment import aligned, stretched
 from palpate.recordings.readers.units import CHANNELS, to_turn
 from palpate.recordings.recording import Recording
 from palpate.study.indenter import Indenter

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from palpate.data.observation import Observation
 from palpate.errors import InputError
-from palpate.inference.observation import Observation
-from palpate.study.quantity import DEPTH, Quantity
+from palpate.observables.depth import DEPTH
+from palpate.observables.observable import Quantity
 
 
 def mean_square(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
@@ -52,9 +53,9 @@ def error_measures(measured: np.ndarray, simulated: np.ndarray, quantity: Quanti
     -------
     dict
         `rmse_nm`; `r2`, 1 - sum of squared errors / sum of squares about the mean; `mean_abs_error_nm`;
-        `percent_error`, the mean of 100 |error| / value over points above 1 % of the largest value. Under displacement
-        control also `rmse_mN` and `mean_abs_error_mN`; the errors in nm are then the equivalent depths under the same
-        load, see `palpate.study.quantity`.
+        `percent_error`, the mean of 100 |error| / value over points above 1 % of the largest value. In another unit
+        than nm also `rmse_UNIT` and `mean_abs_error_UNIT`; the errors in nm are then the equivalent depths under the
+        same load, see `palpate.observables.observable`.
     """
     error = simulated - measured
     deep = measured > 0.01 * measured.max()
@@ -65,4 +66,5 @@ def error_measures(measured: np.ndarray, simulated: np.ndarray, quantity: Quanti
         "mean_abs_error_nm": quantity.nm * mean,
         "percent_error": float(100.0 * np.mean(np.abs(error[deep]) / measured[deep])),
     }
-    return found | ({"rmse_mN": rms, "mean_abs_error_mN": mean} if quantity.unit == "mN" else {})
+    own = {quantity.observable.column("rmse"): rms, quantity.observable.column("mean_abs_error"): mean}
+    return found if quantity.unit == "nm" else found | own

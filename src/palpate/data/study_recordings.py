@@ -8,14 +8,14 @@ from pathlib import Path
 
 from palpate.configuration.schema import suggestion
 from palpate.configuration.study_file import Study
+from palpate.data.observation import Observation
+from palpate.data.recording_checks import checked_recording
 from palpate.errors import InputError, located_in
-from palpate.inference.observation import Observation
-from palpate.inference.own_loads import own_protocol, stretched
-from palpate.inference.recording_checks import checked_recording
+from palpate.observables.observable import Quantity
+from palpate.recordings.alignment import own_protocol, stretched
 from palpate.recordings.recording import Recording, copies, stiffness_file
 from palpate.recordings.recording_file import condition_of, read_recording, recording_files
 from palpate.study.protocol import Protocol
-from palpate.study.quantity import Quantity
 
 Look = Callable[[str, str, list[Recording]], None]
 
@@ -207,8 +207,9 @@ def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str,
         if condition.own_loads:
             own = tuple(own_protocol(protocol, recording) for recording in recordings)
             recordings = [stretched(protocol, recording) for recording in recordings]
-        item = Observation.from_recordings(protocol, recordings, condition.role)
-        found[key] = replace(item, quantity=Quantity.of(protocol, study.indenter, item.mean), own=own)
+        item = Observation.from_recordings(protocol, recordings, condition.role, condition.observable)
+        quantity = Quantity.of(condition.observable, protocol, study.indenter, item.mean)
+        found[key] = replace(item, quantity=quantity, own=own)
     return found
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.base.interpolation import depth_at, load_at
 from palpate.errors import InputError
+from palpate.observables import Observable, Quantity, response_to
+from palpate.observables.depth import DEPTH
 from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
-from palpate.study.quantity import DEPTH, Quantity
 
 ROLES = ("calibrate", "validate")
 WHOLE = 0.98  # of a condition's duration, what a recording of it covers at least
@@ -26,13 +26,13 @@ class Observation:
     time : ndarray, shape (n_points,)
         Sample times [s].
     response : ndarray, shape (n_replicates, n_points)
-        One curve for each recording, of depth [nm] or load [mN].
+        One curve for each recording, in the unit of the quantity.
     role
         ``calibrate``, or ``validate``: held out of the fit, to validate it.
     quantity
         What the curves are of.
     own
-        History of each replicate's own drive where they differ, see `palpate.inference.own_loads`; none where all
+        History of each replicate's own drive where they differ, see `palpate.models.own_loads`; none where all
         follow that of the condition.
     """
 
@@ -64,8 +64,9 @@ class Observation:
         protocol: Protocol,
         recordings: Sequence[Recording],
         role: str = "calibrate",
+        observable: Observable | None = None,
     ) -> Observation:
-        """Resample the responses of recordings on the sample times, see `palpate.base.interpolation`.
+        """Resample recordings on the sample times, see `palpate.observables.observable.Observable.of_recording`.
 
         Parameters
         ----------
@@ -75,6 +76,8 @@ class Observation:
             Replicates of one condition.
         role
             ``calibrate`` or ``validate``.
+        observable
+            What they are compared by, at a scale of one (`Quantity.of`); by default the response to the drive.
 
         Raises
         ------
@@ -88,10 +91,9 @@ class Observation:
                     f"recording {recording.name} ends at {recording.time[-1]:g} s, its condition at {time[-1]:g} s",
                     remedy="give a complete recording or correct the times of the condition",
                 )
-        if protocol.response == "load":
-            return cls(time, np.array([load_at(time, r.time, r.load) for r in recordings]), role)
-        history = protocol.knot_time, protocol.knot_drive
-        return cls(time, np.array([depth_at(time, r.time, r.depth, *history) for r in recordings]), role)
+        observable = observable or response_to(protocol)
+        rows = [observable.of_recording(protocol, each.time, each.load, each.depth) for each in recordings]
+        return cls(time, np.array(rows), role, Quantity(observable))
 
     @property
     def mean(self) -> np.ndarray:

@@ -1,0 +1,1 @@
+"""The recordings of a study as they are compared: found, checked, resampled, and their noise; no law is known here."""
