@@ -93,9 +93,9 @@ def test_a_special_case_is_no_rival_to_its_general_form(special, rivals):
 
 
 def test_a_mechanism_and_one_that_it_includes_do_not_act_together():
-    assert not may_act_together(("thermal_drift",), "nonsteady_drift")
-    assert not may_act_together(("mount_compliance",), "frame_compliance")
-    assert may_act_together(("thermal_drift",), "frame_compliance")
+    assert not may_act_together(("thermal_drift", "nonsteady_drift"))
+    assert not may_act_together(("mount_compliance", "frame_compliance"))
+    assert may_act_together(("thermal_drift", "frame_compliance"))
 
 
 def test_the_group_is_the_smallest_that_holds_the_probability():
@@ -164,6 +164,8 @@ def explored(expected, proves=None, policy=POLICY, largest=2):
         joined=joined,
         log_evidence=lambda fit, key: expected.get(name(fit, key), -1e3),
         candidate=lambda fit: Candidate(fit, lambda fit: 0.5),
+        finished=lambda candidate: candidate,
+        problem=SimpleNamespace(is_simulated=lambda key: key != "thermal_drift"),
     )
     found = Explanations(len(keys))
     found.add(search.base)
@@ -178,6 +180,13 @@ def test_the_likeliest_is_fitted_first_and_what_is_negligible_is_not_fitted():
     assert frozenset({"thermal_drift"}) in found.estimated
 
 
+def test_what_only_adds_to_the_depth_is_fitted_where_it_may_change_what_is_said():
+    """Its evidence to first order is that of a refit, for all that matters."""
+    asked, _, _ = explored({"friction": 30.0, "thermal_drift": 26.0, "adhesion": 26.0})
+    assert asked == ["friction", "adhesion"]
+    assert explored({"friction": 30.0, "thermal_drift": 28.5})[0] == ["friction", "thermal_drift"]
+
+
 def test_nothing_is_fitted_where_no_set_may_matter_beside_none():
     asked, found, _ = explored({"friction": -6.0, "adhesion": -7.0})
     assert asked == []
@@ -187,6 +196,15 @@ def test_nothing_is_fitted_where_no_set_may_matter_beside_none():
 def test_larger_sets_are_estimated_from_each_fit():
     asked, _, _ = explored({"friction": 20.0, "adhesion": 12.0, "adhesion+friction": 40.0})
     assert asked == ["friction", "adhesion+friction"]
+
+
+def test_twins_of_a_pair_are_fitted_whichever_of_them_came_first():
+    """Friction and adhesion look alike alone; beside a tip angle the one that was fitted second must not be lost."""
+    alike = {"friction": 30.0, "adhesion": 27.0, "friction+tip_angle": 60.0, "adhesion+tip_angle": 57.5}
+    asked, found, _ = explored(alike | {"tip_angle": -20.0})
+    assert asked == ["friction", "friction+tip_angle", "adhesion", "adhesion+tip_angle"]
+    first, second = (found.probabilities()[frozenset({key, "tip_angle"})] for key in ("friction", "adhesion"))
+    assert second / first == pytest.approx(np.exp(-2.5), rel=1e-6)
 
 
 def test_no_more_are_fitted_than_the_policy_allows_and_no_larger_sets_than_the_study():

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from palpate.diagnosis.accepted import sufficient_to_identify, zero_on_average
-from palpate.diagnosis.effect_size import effect_size
+from palpate.diagnosis.effect_size import added_effect_size, effect_size
 from palpate.diagnosis.explanations import (
     Explanations,
     Members,
@@ -109,6 +109,9 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
 def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], report: Callable[[str], None]) -> None:
     """Fit sets of mechanisms until none is left that may matter.
 
+    The likeliest so far goes on to finer meshes at once: what a coarser one lacks at the edge of contact looks like a
+    little adhesion, and every set that holds it would have to be fitted.
+
     Parameters
     ----------
     fits
@@ -125,9 +128,12 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
     to_try: dict[Members, ExplanationToTry] = {}
 
     def extend(fit: Fit) -> None:
+        if len(fit.explanation) > 1:
+            found.exchange(frozenset(fit.explanation), search.screen.keys)
         if len(fit.explanation) >= largest:
             return
-        for key in [key for key in search.screen.keys if may_act_together(fit.explanation, key)]:
+        others = [key for key in search.screen.keys if key not in fit.explanation]
+        for key in [key for key in others if may_act_together((*fit.explanation, key))]:
             each = ExplanationToTry(fit, key, search.log_evidence(fit, key))
             if each.members in found.fitted or "+".join(sorted(each.members)) in failed:
                 continue
@@ -135,11 +141,22 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
             if each.members not in to_try or each.log_evidence > to_try[each.members].log_evidence:
                 to_try[each.members] = each
 
+    def behind(each: ExplanationToTry) -> float:
+        """Return by how much the weight of a set may lie behind the best one where it is worth a fit."""
+        linear = not search.problem.is_simulated(each.key)
+        return -np.log(policy.negligible_if_linear) if linear else policy.rough - np.log(policy.negligible)
+
+    def promise(each: ExplanationToTry) -> float:
+        """Return the weight of a set, or of the likeliest larger one that only a fit of this one leads to."""
+        larger = [members for members in found.exchanged if each.members < members and found.is_exchanged(members)]
+        return max(map(found.log_weight, [each.members, *larger]))
+
     extend(search.base.fit)
     for _ in range(policy.most):
-        likely = sorted(to_try.values(), key=lambda each: -found.log_weight(each.members))
         best = max(found.log_weight(members) for members in found.fitted)
-        if not likely or found.log_weight(likely[0].members) < best + np.log(policy.negligible) - policy.rough:
+        worth = [each for each in to_try.values() if best - promise(each) <= behind(each)]
+        likely = sorted(worth, key=lambda each: -promise(each))
+        if not likely:
             break
         chosen, *others = likely
         del to_try[chosen.members]
@@ -154,15 +171,16 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
         found.add(candidate)
         evidence = candidate.fit.log_evidence
         report(f"{name}: expected {chosen.log_evidence:.1f}, log evidence {evidence:.1f}")
-        extend(candidate.fit)
+        if found.log_weight(chosen.members) > best:
+            _finish(search, found, chosen.members, report)
+        extend(found.fitted[chosen.members].fit)
 
 
 def _compare_on_finer_meshes(search: Search, found: Explanations, report: Callable[[str], None]) -> None:
     """Finish the fits that come close to the likeliest, with the special cases of the best set refitted from there.
 
-    What finer meshes change belongs to a mechanism and not to those beside it, for the greatest part (adhesion and
-    friction act at the edge of contact, which a mesh resolves). So a set takes over the change of its largest part that
-    is finished, and is finished itself where it is not negligible after that.
+    A set takes over the change of its largest part that is finished, and goes there itself where it is not negligible
+    after that.
     """
     best = max(found.fitted, key=found.log_weight)
     for explanation, z in _special_cases(search, found.fitted[best].fit):
@@ -170,20 +188,23 @@ def _compare_on_finer_meshes(search: Search, found: Explanations, report: Callab
             found.add(search.candidate(search.fitted(explanation, [z], found.fitted[best].fit.curve)))
         except PalpateError as error:
             report(f"{'+'.join(explanation)} again: {error}")
-    to_finish = set(found.fitted)
+    to_finish = set(found.fitted) - set(found.on_finer_meshes)
     while to_finish:
         members = max(to_finish, key=found.log_weight)
-        part_is_finished = found.follow_change(members)
         behind = max(map(found.log_weight, found.fitted)) - found.log_weight(members)
         to_finish.remove(members)
-        if behind > (-np.log(search.policy.negligible) if part_is_finished else search.policy.compared):
-            continue
-        candidate = found.fitted[members]
-        finished = search.finished(candidate)
-        if finished is not candidate:
-            found.finish(members, finished)
-            name = "+".join(sorted(members)) or "base model"
-            report(f"{name} in the end: log evidence {finished.fit.log_evidence:.1f}")
+        if behind <= (-np.log(search.policy.negligible) if found.finished_parts(members) else search.policy.compared):
+            _finish(search, found, members, report)
+
+
+def _finish(search: Search, found: Explanations, members: Members, report: Callable[[str], None]) -> None:
+    """Let the fit of a set go to its end, on finer meshes where it explains."""
+    candidate = found.fitted[members]
+    finished = search.finished(candidate)
+    if finished is not candidate:
+        found.finish(members, finished)
+        name = "+".join(sorted(members)) or "base model"
+        report(f"{name} in the end: log evidence {finished.fit.log_evidence:.1f}")
 
 
 def _special_cases(search: Search, fit: Fit) -> list[tuple[tuple[str, ...], np.ndarray]]:
@@ -209,12 +230,7 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     """Return the verdict that follows from the probabilities."""
     settings, policy, base = search.study.diagnosis, search.policy, found.fitted[frozenset()]
     stated = found.probabilities()
-    acts = {
-        members: {key: effect_size(found.fitted[members].fit, key).acts(settings["smallest_effect"]) for key in members}
-        for members, probability in stated.items()
-        if members in found.fitted and probability >= LIKELY
-    }
-    probabilities = acting(stated, acts)
+    probabilities = acting(stated, _acts(search, found, stated))
     group = [m for m in smallest_group(probabilities, policy.held) if m in found.fitted] or [frozenset()]
     tried = [found.fitted[members] for members in sorted(found.fitted, key=lambda each: -found.log_weight(each))]
     within = [found.fitted[m].within(settings["tolerance"], settings["significance"]) for m in group]
@@ -230,6 +246,24 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     verdict = "ambiguous" if len(group) > 1 else _of_one_set(search, undecided, group[0])
     accepted, of_them = [found.fitted[m] for m in group], [probabilities[m] for m in group]
     return replace(undecided, verdict=verdict, accepted=accepted, probabilities=of_them)
+
+
+def _acts(search: Search, found: Explanations, stated: Mapping[Members, float]) -> dict[Members, dict[str, float]]:
+    """Return the probability of each mechanism of a set that its effect exceeds the smallest one, where that matters.
+
+    Of a set that was not fitted, as its last mechanism only adds to the depth, that follows to first order.
+    """
+    smallest, acts = search.study.diagnosis["smallest_effect"], dict[Members, dict[str, float]]()
+    for members in sorted(stated, key=len):
+        if members in found.fitted and stated[members] >= LIKELY:
+            acts[members] = {key: effect_size(found.fitted[members].fit, key).acts(smallest) for key in members}
+        elif members in found.estimated:
+            smaller, _ = found.estimated[members]
+            (key,) = members - smaller
+            if not search.problem.is_simulated(key):
+                joined = added_effect_size(found.fitted[smaller].fit, key).acts(smallest)
+                acts[members] = acts.get(smaller, {}) | {key: joined}
+    return acts
 
 
 def _of_one_set(search: Search, diagnosis: DiagnosisOutcome, members: Members) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import norm
 
-from palpate.inference.explanation import Fit
+from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.inference.problem import Problem
 from palpate.study.prescribed_segments import segments
 
@@ -32,8 +32,9 @@ class EffectSize:
     deviation: float
 
     def acts(self, smallest: float) -> float:
-        """Return the probability that it exceeds a share of the depth."""
-        return float(norm.sf((smallest - self.size) / max(self.deviation, 1e-12)))
+        """Return the probability that it exceeds a share of the depth, in either direction."""
+        deviation = max(self.deviation, 1e-12)
+        return float(norm.sf((smallest - self.size) / deviation) + norm.cdf((-smallest - self.size) / deviation))
 
 
 def effect_size(fit: Fit, key: str) -> EffectSize:
@@ -53,6 +54,27 @@ def effect_size(fit: Fit, key: str) -> EffectSize:
         if size > found.size:
             slope = weights @ fit.tangent[:, places]
             found = EffectSize(size, float(np.sqrt(slope @ fit.posterior[np.ix_(places, places)] @ slope)))
+    return found
+
+
+def added_effect_size(fit: Fit, key: str) -> EffectSize:
+    """Return how much a mechanism that only adds to the depth would change the curves if it joined, to first order.
+
+    Each amplitude has its most likely value beside the parameters of the fit, with a normal prior of its typical size.
+    """
+    problem, found = fit.problem, EffectSize(0.0, 0.0)
+    amplitudes = problem.typical(key)
+    columns = np.column_stack([problem.unit_effects(amplitude) for amplitude in amplitudes])
+    sizes = np.array([problem.typical_size(amplitude) for amplitude in amplitudes])
+    design = fit.whiten(np.column_stack([fit.tangent, columns]))
+    prior = np.append(np.full(len(fit.z), 1.0 / PRIOR_VARIANCE), 1.0 / sizes**2)
+    covariance = np.linalg.inv(design.T @ design + np.diag(prior))
+    best, spread = (covariance @ design.T @ fit.white)[len(fit.z) :], covariance[len(fit.z) :, len(fit.z) :]
+    for weights in parts(problem, fit.curve):
+        along = weights @ columns
+        size = abs(float(along @ best))
+        if size > found.size:
+            found = EffectSize(size, float(np.sqrt(along @ spread @ along)))
     return found
 
 

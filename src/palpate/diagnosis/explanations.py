@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,16 +43,18 @@ class Explanations:
     estimated
         Of sets that were not fitted the smaller set from which they were estimated, and what the mechanism that joins
         adds to its log evidence to first order.
+    exchanged
+        Of sets of which no smaller one was fitted a fitted set of as many mechanisms, one of which makes place for
+        another one, and what that changes alone.
     on_finer_meshes
-        What finer meshes change in the log evidence of a fitted set: of those that were finished, and as expected of
-        others.
+        What finer meshes changed in the log evidence of the sets that were finished there.
     """
 
     considered: int
     fitted: dict[Members, Candidate] = field(default_factory=dict)
     estimated: dict[Members, tuple[Members, float]] = field(default_factory=dict)
+    exchanged: dict[Members, tuple[Members, float]] = field(default_factory=dict)
     on_finer_meshes: dict[Members, float] = field(default_factory=dict)
-    finished: set[Members] = field(default_factory=set)
 
     def add(self, candidate: Candidate) -> None:
         """Add a fit; of one set the likeliest counts, and one that an exact law contradicts does not."""
@@ -67,37 +69,73 @@ class Explanations:
         if members in self.fitted:
             return
         before = self.estimated.get(members)
-        if before is None or self.fitted[smaller].fit.log_evidence + gain > self._estimate(*before):
+        if before is None or self._estimate(members, smaller, gain) > self._estimate(members, *before):
             self.estimated[members] = smaller, gain
+
+    def exchange(self, members: Members, considered: Iterable[str]) -> None:
+        """Estimate the sets in which one mechanism of a fitted set makes place for another one.
+
+        What one of them explains alone, more than the other, it explains beside the rest: so are twins, whichever of
+        them was fitted first.
+        """
+        for key, other in itertools.product(sorted(members), considered):
+            found, alone = members - {key} | {other}, (frozenset({other}), frozenset({key}))
+            if other in members or found in self.fitted or found in self.estimated or not may_act_together(found):
+                continue
+            if all(each in self.fitted or each in self.estimated for each in alone):
+                here, there = map(self._likeliest, alone)
+                gain = self._evidence(members) + here - there
+                if (
+                    found not in self.exchanged
+                    or gain > self._evidence(self.exchanged[found][0]) + self.exchanged[found][1]
+                ):
+                    self.exchanged[found] = members, here - there
+
+    def is_exchanged(self, members: Members) -> bool:
+        """Return whether nothing better is known of a set than of another one with an exchanged mechanism."""
+        return members in self.exchanged and members not in self.fitted and members not in self.estimated
+
+    def _likeliest(self, members: Members) -> float:
+        """Return the log evidence of a set that was fitted or estimated from a smaller one."""
+        if members in self.fitted:
+            return self._evidence(members)
+        return self._estimate(members, *self.estimated[members])
 
     def finish(self, members: Members, candidate: Candidate) -> None:
         """Put the end of a fit on finer meshes in its place."""
         self.on_finer_meshes[members] = candidate.fit.log_evidence - self.fitted[members].fit.log_evidence
         self.fitted[members] = candidate
-        self.finished.add(members)
 
-    def follow_change(self, members: Members) -> bool:
-        """Let a set take over the change of its largest part that is finished; return whether there is one."""
-        parts = [each for each in self.finished if each < members]
-        if parts:
-            self.on_finer_meshes[members] = self.on_finer_meshes[max(parts, key=len)]
-        return bool(parts)
+    def _change(self, members: Members) -> float:
+        """Return what finer meshes change in a log evidence, by the largest part of a set that is finished.
+
+        That belongs to a mechanism and not to those beside it, for the greatest part: adhesion and friction act at the
+        edge of contact, which a mesh resolves.
+        """
+        parts = self.finished_parts(members)
+        return self.on_finer_meshes[max(parts, key=len)] if parts else 0.0
+
+    def finished_parts(self, members: Members) -> list[Members]:
+        """Return the sets within a set whose fits were finished."""
+        return [each for each in self.on_finer_meshes if each <= members]
 
     def _evidence(self, members: Members) -> float:
         """Return the log evidence of a fitted set, on finer meshes as far as that is known."""
-        expected = 0.0 if members in self.finished else self.on_finer_meshes.get(members, 0.0)
-        return self.fitted[members].fit.log_evidence + expected
+        finished = members in self.on_finer_meshes
+        return self.fitted[members].fit.log_evidence + (0.0 if finished else self._change(members))
 
-    def _estimate(self, smaller: Members, gain: float) -> float:
-        return self._evidence(smaller) + gain
+    def _estimate(self, members: Members, smaller: Members, gain: float) -> float:
+        return self._evidence(smaller) + gain + self._change(members) - self._change(smaller)
 
     def log_weight(self, members: Members) -> float:
         """Return the logarithm of evidence times prior of a set."""
-        if members in self.fitted:
-            candidate = self.fitted[members]
-            found = -np.inf if candidate.contradicts else self._evidence(members)
+        if members in self.fitted and self.fitted[members].contradicts:
+            found = -np.inf
+        elif members in self.fitted or members in self.estimated:
+            found = self._likeliest(members)
         else:
-            found = self._estimate(*self.estimated[members])
+            of, more = self.exchanged[members]
+            found = self._evidence(of) + more
         return found + log_prior(len(members), self.considered)
 
     def probabilities(self) -> dict[Members, float]:
@@ -106,7 +144,7 @@ class Explanations:
         A set with a mechanism that includes a special case is no rival to the same set with that special case, unless
         it is far likelier: its probability counts for the simpler one where that is not excluded.
         """
-        weights = {members: self.log_weight(members) for members in [*self.fitted, *self.estimated]}
+        weights = {members: self.log_weight(members) for members in {**self.fitted, **self.estimated, **self.exchanged}}
         total = logsumexp(list(weights.values()))
         found = {members: float(np.exp(weight - total)) for members, weight in weights.items()}
         for members in sorted(found, key=lambda each: -found[each]):
@@ -130,11 +168,10 @@ def special_cases(members: Members) -> list[Members]:
     ]
 
 
-def may_act_together(explanation: Explanation, key: str) -> bool:
-    """Return whether no mechanism of an explanation includes another one, or is included by it."""
-    return not any(
-        key == other or key in MECHANISMS[other].includes or other in MECHANISMS[key].includes for other in explanation
-    )
+def may_act_together(mechanisms: Iterable[str]) -> bool:
+    """Return whether no mechanism of several includes another one."""
+    every = set(mechanisms)
+    return not any(every & set(MECHANISMS[key].includes) for key in every)
 
 
 def acting(probabilities: Mapping[Members, float], acts: Mapping[Members, Mapping[str, float]]) -> dict[Members, float]:

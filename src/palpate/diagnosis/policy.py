@@ -15,6 +15,9 @@ class SearchPolicy:
         Probability that the smallest group of sets of mechanisms holds, by which a verdict is given.
     negligible
         Probability of a set, relative to the likeliest, below which it is not refitted and counts to first order.
+    negligible_if_linear
+        The same where the mechanism that joins only adds to the depth, whose evidence to first order is that of a refit
+        within about one: so probable it must be that the refit can change what is said.
     rough
         Error of a log evidence to first order that is allowed for before a set counts as negligible.
     compared
@@ -40,6 +43,7 @@ class SearchPolicy:
 
     held: float = 0.95
     negligible: float = 0.01
+    negligible_if_linear: float = 0.1
     rough: float = 1.0
     compared: float = 10.0
     behind_set: float = 400.0
