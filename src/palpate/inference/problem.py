@@ -124,7 +124,7 @@ class Problem:
     def refinement(self, model: Forward, condition: Condition) -> np.ndarray:
         """Return what the last refinement of a model changed (n_points,) [nm], none where that is not known."""
         none = np.zeros(len(condition.protocol.sample_time))
-        return self.nm[condition.name] * model.refinements.get(condition.name, none)
+        return self.nm.get(condition.name, 1.0) * model.refinements.get(condition.name, none)
 
     def refinements(self, model: Forward) -> list[np.ndarray]:
         """Return the same for each condition, a list of (n_points,)."""
