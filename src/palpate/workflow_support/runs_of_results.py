@@ -45,6 +45,7 @@ def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[s
         metrics,
         {f"by_point.loo_rms_{unit}": summary[f"loo_rms_{unit}"]},
         model=f"surrogate {condition} {kernel}",
+        inputs=list(study.levels),
     )
 
 
