@@ -88,7 +88,7 @@ def test_one_quantity_has_one_key_in_every_kind_of_run(tmp_path, monkeypatch):
     assert answer.metrics["held_out_nm"] == whole.metrics["held_out_nm"] == 5.42
     assert answer.metrics["before_held_out_nm"] == fit.metrics["before_held_out_nm"] == 8.61
     assert answer.metrics["thermal_drift.rate"] == drift.metrics["thermal_drift.rate"] == 0.113
-    assert (base.name, base.metrics["fitted_nm"]) == ("explanation base model", 3.7)
+    assert (base.name, base.metrics["fitted_nm"]) == ("base model - explanation", 3.7)
     assert fit.metrics["search_best"] == 4.0 and fit.series == {"by_generation.best_sum": [9.0, 4.0, 5.0]}
     assert fit.metrics["surrogate_nm"] == answer.metrics["surrogate_nm"] == 0.05
     assert fit.params["kernel"] == answer.params["kernel"] == "multiquadric"

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from palpate.output.figures.paper_figure import bottom_row, first_column, grid, legend_below
-from palpate.output.figures.style import ACCEPTED, BASE
+from palpate.output.figures.style import ACCEPTED, BASE, SMALLEST
 
 ROLES = {"calibrate": "", "validate": " (held out)"}
 UNITS = ("nm", "mN")
@@ -58,7 +58,7 @@ def panels(figure: Figure, frame: pd.DataFrame, size: tuple[float, float]) -> It
     parts = conditions(frame)
     axes = grid(figure, len(parts), size)
     for k, (curve, axis) in enumerate(zip(parts, axes, strict=True)):
-        axis.set_title(f"{curve['label'].iloc[0]}{ROLES[curve['role'].iloc[0]]}")
+        axis.set_title(f"{curve['label'].iloc[0]}{ROLES[curve['role'].iloc[0]]}", fontsize=SMALLEST)
         yield curve, axis
         if not bottom_row(axes, k):
             axis.set_xlabel("")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -54,7 +56,7 @@ def draw(figure: Figure, frame: pd.DataFrame) -> None:
         axis.axhline(0, color="0.7", lw=0.6)
         if (band := response(curve, "band")) is not None:
             axis.fill_between(time, -band, band, color="0.88", lw=0, label="noise and scatter, 95 %")
-        draw_models(axis, curve, lambda values, time=time: (time, values))
+        draw_models(axis, curve, partial(_over, time))
         axis.set_xlabel("time [s]")
         axis.set_ylabel(f"rec. − sim. [{unit_of(curve)}]")
         axes.append(axis)
@@ -62,6 +64,10 @@ def draw(figure: Figure, frame: pd.DataFrame) -> None:
     if {unit_of(part) for part in conditions(frame)} == {"nm"}:
         for axis in axes:
             axis.set_ylim(min(low for low, _ in spans), max(high for _, high in spans))
+
+
+def _over(time: pd.Series, values: pd.Series) -> tuple[pd.Series, pd.Series]:
+    return time, values
 
 
 def caption(frame: pd.DataFrame) -> str:
