@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from markdown_pieces import number, table, unit
 
+PAGE = 100  # letters of a line of output
 HERE = Path(__file__).parent
 DRIFT = "thermal_drift.rate"  # what is concealed
 NOTEBOOK = HERE / "data/notebook.json"
@@ -118,7 +120,12 @@ def values() -> str:
 
 def lines() -> str:
     """Return the lines with which a run of the study ends."""
-    return "\n".join(["```text", *answer()["lines"], "```"])
+    return "\n".join(["```text", *(wrapped(line, " " * 12) for line in answer()["lines"]), "```"])
+
+
+def wrapped(line: str, indent: str = "") -> str:
+    """Return a line of output in lines that the page holds; those of tables are short."""
+    return textwrap.fill(line, PAGE, subsequent_indent=indent) if len(line) > PAGE else line
 
 
 def figure(name: str) -> str:
@@ -131,7 +138,7 @@ def shown(name: str) -> str:
     """Return what an object of the notebook's page prints."""
     texts = json.loads(FIGURES.read_text(encoding="utf-8"))["summaries"]
     texts |= json.loads(NOTEBOOK.read_text(encoding="utf-8"))
-    return f"```text\n{texts[name]}\n```"
+    return "\n".join(["```text", *map(wrapped, texts[name].split("\n")), "```"])
 
 
 GENERATED: dict[str, Callable[..., str]] = {

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent
 IMAGES = HERE / "images"
 NAMES = ("curves", "residuals", "misfit_map", "explanations", "parameters", "search", "surrogates")
-SCREEN = {"width": 1400, "height": 900}  # pixels, the first screen of the report
+SCREEN = {"width": 1240, "height": 800}  # pixels, the first screen of the report without margins
 
 
 def checksum(file: Path) -> str:

@@ -82,6 +82,7 @@ def of_diagnosis(content: Mapping[str, Any], study: Study, files: Sequence[str |
         title = " + ".join(MECHANISMS[key].title for key in row["mechanisms"]) or "base model"
         found = {"fitted_nm": row["rmse_nm"], "log_evidence": row["log_evidence"], "probability": row["probability"]}
         found |= row["parameters"] | row["material"]
+        found = {key: float(f"{value:.{DIGITS}g}") for key, value in found.items()}
         tags = {**of, "mechanisms": "+".join(row["mechanisms"]) or "none"}
         explanations.append(Run(f"{title} - explanation", "explanation", tags, params, found))
     return [whole, *explanations]
