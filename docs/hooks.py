@@ -1,8 +1,8 @@
 """What MkDocs asks of this project: pages that the code itself writes, and formulas as MathML.
 
 A comment such as ``<!-- generated: laws -->`` in a page is replaced by what `GENERATED` returns under that name, and
-``<!-- generated: source FILE -->`` by a file of the package. One page of the Python API is made for each package of
-``src/palpate``.
+``<!-- generated: source FILE -->`` by a file of the package; what is said of the epoxy study comes from
+`epoxy_results`. One page of the Python API is made for each package of ``src/palpate``.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from __future__ import annotations
 import argparse
 import ast
 import html
+import importlib
 import inspect
-import json
 import math
 import re
 import sys
@@ -19,42 +19,23 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).parent))
+import epoxy_results
+from markdown_pieces import number, span, table, unit
+
 SOURCE = Path(__file__).parents[1] / "src/palpate"
 MARK = re.compile(r"<!-- generated: (\w+)(?: ([\w./]+))? -->")
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
 )  # as pymdownx.arithmatex leaves it
+RESULTS = {
+    "Calibration": "palpate.output.results.calibration",
+    "Diagnosis": "palpate.output.results.diagnosis",
+}  # what the functions of the front door return, and the module of each
 TYPICAL = {
     "depth": 500.0, "load": 1.0, "modulus": 3.0, "duration": 60.0, "loading_time": 30.0, "half_angle": 70.3,
     "pressure": 0.1,
 }  # fmt: skip
-
-
-def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """Return a table (Markdown)."""
-    head = list(head)
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(map(str, line))} |" for line in lines) + "\n"
-
-
-def number(value: float) -> str:
-    """Return a number as people write it."""
-    return re.sub(
-        r"e([+-])0*(\d)",
-        lambda found: f"e{found[1].strip('+')}{found[2]}",
-        f"{value:.{4 if abs(value) < 1000 else 6}g}",
-    )
-
-
-def span(lower: float, upper: float) -> str:
-    """Return a range, which no line breaks."""
-    return f"{number(lower)} to {number(upper)}".replace(" ", "&nbsp;").replace("-", "&#8209;")
-
-
-def unit(text: str) -> str:
-    """Return a unit with raised exponents (HTML)."""
-    raised = re.sub(r"\^(-?\([^)]*\)|-?\d+)", r"<sup>\1</sup>", text)
-    return re.sub(r"m_(\w)", r"m<sub>\1</sub>", raised)
 
 
 def documentation(member: Any) -> str:
@@ -323,55 +304,32 @@ def api_page(name: str, folder: Path) -> str:
 
 
 def api_index() -> str:
-    """Return the first page of the Python API: every package with its first line."""
-    rows = ((f"[`{name}`]({name}.md)", _first_line(_docstring(f / "__init__.py"))) for name, f in packages())
-    return "# Python API\n\nGenerated from the docstrings.\n\n" + table(("package", "what it holds"), rows)
+    """Return the first page of the Python API: the front door, then every package with its first line."""
+    import palpate
+
+    rows = []
+    for name in palpate.PLACES:
+        place = palpate.PLACES[name]
+        page = next(package for package, _ in reversed([*packages()]) if place.startswith(f"{package}."))
+        rows.append((f"[`{name}`]({page}.md#{place})", _first_line(inspect.getdoc(getattr(palpate, name)) or "")))
+    for name, place in RESULTS.items():
+        found = getattr(importlib.import_module(place), name)
+        rows.append((f"[`{name}`](palpate.output.results.md#{place}.{name})", _first_line(inspect.getdoc(found) or "")))
+    door = table(("name", "what it does"), rows)
+    every = ((f"[`{name}`]({name}.md)", _first_line(_docstring(f / "__init__.py"))) for name, f in packages())
+    return (
+        "# Python API\n\nA notebook or a script imports from `palpate` itself; [In a notebook](../notebook.md) shows "
+        f"how, and what is printed and drawn.\n\n{door}\n"
+        "`calibrate` returns a `Calibration`, `diagnose` a `Diagnosis`; report, MLflow and figures show the same "
+        "objects.\n\n"
+        "## Packages\n\nFrom the interface down to what all others use; generated from the docstrings.\n\n"
+        + table(("package", "what it holds"), reversed([*every]))
+    )
 
 
 def source(file: str) -> str:
     """Return a file of the package as a block of code."""
     return f"```python\n{(SOURCE / file).read_text(encoding='utf-8')}```\n"
-
-
-def epoxy() -> dict[str, Any]:
-    """Return the answer of the epoxy study, as the report of a run left it in ``docs/data``."""
-    file = Path(__file__).parent / "data/epon862.json"
-    return json.loads(file.read_text(encoding="utf-8"))["sets"][0]
-
-
-def epoxy_answer() -> str:
-    """Return the verdict of the epoxy study, its effect, and its error, in sentences."""
-    from palpate.output.results.diagnosis import effect_sentence
-
-    found = epoxy()
-    errors = ", ".join(f"{found['held_out'][key]:.1f} nm" for key in ("before_nm", "after_nm", "noise_nm"))
-    return (
-        f"Its verdict is `{found['verdict']}`: {effect_sentence(found['effects'][0])}. Error of the held-out tests "
-        f"without the effect, with it, and by noise and scatter alone: {errors}."
-    )
-
-
-def epoxy_table() -> str:
-    """Return the parameters of the epoxy study beside the truth of its configuration."""
-    from palpate.base.yaml_file import read_yaml
-    from palpate.output.rounding import interval_of
-
-    laboratory = read_yaml(Path(__file__).parents[1] / "config/config.yaml")["laboratory"]["virtual"]
-    truth = laboratory["parameters"] | {
-        f"{key}.{name}": value for key, values in laboratory["mechanisms"].items() for name, value in values.items()
-    }
-    found = epoxy()
-    rows = (
-        (f"`{each['name']}`", unit(each["unit"]), number(truth[each["name"]]), interval_of(each),
-         interval_of(each["before"]) if "before" in each else "", "yes" if each.get("identified", True) else "no")
-        for each in (*found["effects"], *found["parameters"])
-    )  # fmt: skip
-    return table(("parameter", "unit", "truth", "accepted model (95 %)", "base model (95 %)", "identified"), rows)
-
-
-def epoxy_lines() -> str:
-    """Return the lines with which a run of the epoxy study ends."""
-    return "\n".join(["```text", *epoxy()["lines"], "```"])
 
 
 GENERATED: dict[str, Callable[..., str]] = {
@@ -384,9 +342,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "subpackages": subpackages,
     "extensions": extensions,
     "source": source,
-    "epoxy_answer": epoxy_answer,
-    "epoxy_table": epoxy_table,
-    "epoxy_lines": epoxy_lines,
+    **epoxy_results.GENERATED,
 }
 
 
@@ -413,7 +369,8 @@ def on_config(config: Any) -> Any:
         for title, entries in section.items():
             for entry in entries if title == "Reference" else ():
                 if "Python API" in entry:
-                    entry["Python API"] = ["api/index.md", *(f"api/{name}.md" for name, _ in packages())]
+                    pages = reversed([*packages()])  # the interface first
+                    entry["Python API"] = ["api/index.md", *(f"api/{name}.md" for name, _ in pages)]
     return config
 
 

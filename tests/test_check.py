@@ -7,7 +7,9 @@ import pytest
 import yaml
 
 from palpate.cli.main import main
+from palpate.configuration.study_file import load_study, study_from
 from palpate.recordings.recording import Recording
+from palpate.workflow_support.expected_time import expected, job_seconds
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
 ELASTIC = {
@@ -205,3 +207,27 @@ def test_what_would_stop_the_workflow_is_found_by_check(tmp_path, monkeypatch, r
     Recording(time, load, 400.0 * np.sqrt(load)).write("mine/A_1.csv")
     Path("study.yaml").write_text(yaml.safe_dump(ELASTIC | {"recordings": {"lab": "mine"}} | changes))
     assert f"study.yaml, {words}" in refused("check", "study.yaml")
+
+
+def test_the_default_study_takes_about_as_long_as_check_expects():
+    """A run took 418 s of processor time, 40 s of it for compilation: docs/measurements.md."""
+    study = load_study(Path(__file__).parents[1] / "config/config.yaml")
+    seconds = job_seconds(study, batches=8)
+    jobs = {"snapshots": 8, "surrogate": 4, "calibration": 3, "diagnosis": 1, "laboratory": 1, "figures": 1}
+    jobs |= {"report": 1, "tracking": 1}
+    assert sum(seconds[rule] * count for rule, count in jobs.items()) == pytest.approx(378, rel=0.33)
+    (line,) = expected(study, 1)
+    assert "12 mechanisms" in line and line.startswith("expected time, within a factor of two: 5 min on 1 free core")
+
+
+def test_a_diagnosis_without_replicates_is_expected_to_take_longer(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("lab").mkdir()
+    time = np.linspace(0.0, 60.0, 81)
+    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
+    study = study_from(ELASTIC | {"recordings": {"lab": "lab"}}, "study")
+    took = []
+    for number in (1, 2):
+        Recording(time, load, 400.0 * np.sqrt(load)).write(f"lab/A_{number}.csv")
+        took.append(job_seconds(study, batches=1)["diagnosis"])
+    assert took[0] > 2.0 * took[1]

@@ -12,6 +12,7 @@ from results_of import diagnosis, saved
 
 from palpate.output.figures import curves, misfit_map, search_history
 from palpate.output.figures.catalogue import FIGURES
+from palpate.output.figures.curve_panels import of_fit
 from palpate.output.figures.style import ACCEPTED, BASE, LOOK, SERIES, SMALLEST, drawn
 from palpate.output.written_figures import write_figures
 
@@ -119,5 +120,5 @@ def test_a_load_under_displacement_control_is_drawn_over_time():
     fit = pd.DataFrame({"condition": "A", "role": "calibrate", "time_s": [1.0, 2.0], "displacement_nm": [5.0, 9.0]})
     fit = fit.assign(recorded_mN=[0.1, 0.2], simulated_mN=[0.1, 0.21], spread_mN=0.01, surrogate_mN=0.1)
     with matplotlib.rc_context(LOOK):
-        (axis,) = drawn(curves.draw, curves.of_fit(fit)).axes
+        (axis,) = drawn(curves.draw, of_fit(fit)).axes
     assert (axis.get_xlabel(), axis.get_ylabel()) == ("time [s]", "load [mN]")

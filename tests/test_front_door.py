@@ -19,7 +19,7 @@ from palpate.base.fingerprint import closure
 from palpate.cli.main import main
 from palpate.errors import InputError
 from palpate.laboratory import virtual
-from palpate.notebook.study_tests import StudyTests
+from palpate.notebook.study_tests import given_tests
 from palpate.recordings.recording import Recording
 
 REPOSITORY = Path(__file__).parent.parent
@@ -211,7 +211,7 @@ def test_a_drafted_study_is_that_of_the_command_line(file, monkeypatch, how):
     assert study.name in ("good", "test")
     assert (study.levels, study.fixed) == (drafted.levels, drafted.fixed)
     assert study.to_frame().equals(drafted.to_frame())
-    assert StudyTests.of(study, None).by_condition.keys() == {"P2_T20"}
+    assert given_tests(study, None)[1].keys() == {"P2_T20"}
 
 
 def test_a_draft_stays_where_a_folder_is_given(file):
@@ -299,6 +299,9 @@ def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, resul
     assert len(list((results / "store").rglob("*.npz"))) == 4
     again = calibrate(fit.study, fit.tests, results=results, report=said.append)
     assert any("4 snapshots, 0 computed" in line for line in said)
+    assert [line.split(": ")[1] for line in said if line.startswith("step")] == [
+        "snapshots", "surrogates", "search and least squares"
+    ]  # fmt: skip
     assert again.values == fit.values and "not brought to one load" in said
     assert capsys.readouterr() == ("", "")
 
@@ -309,20 +312,19 @@ def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_pat
     Path("mine").mkdir()
     measured().write("mine/A_1.csv")
     study = Study.from_mapping(SETTINGS | {"points": 10, "recordings": sets, "laboratory": {"lab": LABORATORY}})
-    made = StudyTests.of(study, "lab")
-    assert made.synthetic
+    made = given_tests(study, "lab")[1]["A"]
+    assert made[0].synthetic
     assert not Path("results").exists()
     virtual.write(study, "lab", study.recordings["lab"])
     stale = replace(study, laboratory={"lab": study.laboratory["lab"] | {"seed": 5}})
-    assert StudyTests.of(stale, "lab").by_condition["A"][0].depth != pytest.approx(made.by_condition["A"][0].depth)
-    for one, other in zip(made.by_condition["A"], StudyTests.of(study, "lab").by_condition["A"], strict=True):
+    assert given_tests(stale, "lab")[1]["A"][0].depth != pytest.approx(made[0].depth)
+    for one, other in zip(made, given_tests(study, "lab")[1]["A"], strict=True):
         assert one.depth == pytest.approx(other.depth, rel=1e-6)
-    assert not StudyTests.of(study, "mine").synthetic
-    assert StudyTests.of(study, "mine").by_condition["A"][0].depth == pytest.approx(
-        StudyTests.of(study, "mine/A_1.csv").by_condition["A"][0].depth
-    )
+    assert not given_tests(study, "mine")[1]["A"][0].synthetic
+    ((of_set,), (of_file,)) = (given_tests(study, given)[1]["A"] for given in ("mine", "mine/A_1.csv"))
+    assert of_set.depth == pytest.approx(of_file.depth)
     with pytest.raises(InputError, match="several sets of recordings; name one of: lab, mine"):
-        StudyTests.of(study, None)
+        given_tests(study, None)
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,10 @@ import json
 import pytest
 from results_of import DRIFT, diagnosis, saved
 
+from palpate.base.rounding import interval, percent, rounded, unit_html
 from palpate.output.results.answer import Answer
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis
-from palpate.output.rounding import interval, percent, rounded, unit_html
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_what_a_file_lacks_is_left_out_and_what_it_holds_is_shown(tmp_path):
     answer = Answer(saved(tmp_path, diagnosis(**more)))
     facts = dict(answer.facts())
     assert facts["Discrepancy of the law"].startswith(
-        "1.20 (0.80 to 1.70) % of the depth, of the class clock, most late in"
+        "1.20 % of the depth (0.80 to 1.70), of the class clock, most late in"
     )
     assert facts["Nothing further acts"] == "with a probability of 83 %; may act: friction 12 %"
     assert facts["Without a model"] == "drift rate 0.110 nm/s (0.100 to 0.120) (thermal drift)"

@@ -44,6 +44,7 @@ def write_records(folder, execution="one"):
             Run("surrogate a", "surrogate", metrics={"loo": 1.0}, series={"by_point.loo_rms_nm": [1.0] * 5})
         )
         record.runs[0].surrogate, record.runs[0].model = "results/s/model.npz", "surrogate P1.00_T030: 5 %"
+        record.runs[0].inputs = ["youngs_modulus", "yield_stress"]
     with tracked_runs("s", tracking / "fit.json") as record:
         run = Run("search", "fit", {}, {"optimiser": "o"}, {"evaluations": 7.0}, {"by_seed.best": [3.0, 2.0]})
         run.files, run.tables = ["results/s/fit.csv"], {"errors.csv": "condition,rmse_nm\n"}
@@ -87,7 +88,7 @@ def test_one_quantity_has_one_key_in_every_kind_of_run(tmp_path, monkeypatch):
     assert answer.metrics["held_out_nm"] == whole.metrics["held_out_nm"] == 5.42
     assert answer.metrics["before_held_out_nm"] == fit.metrics["before_held_out_nm"] == 8.61
     assert answer.metrics["thermal_drift.rate"] == drift.metrics["thermal_drift.rate"] == 0.113
-    assert (base.name, base.metrics["fitted_nm"]) == ("explanation base model", 3.7)
+    assert (base.name, base.metrics["fitted_nm"]) == ("base model - explanation", 3.7)
     assert fit.metrics["search_best"] == 4.0 and fit.series == {"by_generation.best_sum": [9.0, 4.0, 5.0]}
     assert fit.metrics["surrogate_nm"] == answer.metrics["surrogate_nm"] == 0.05
     assert fit.params["kernel"] == answer.params["kernel"] == "multiquadric"
@@ -165,6 +166,9 @@ def test_what_was_recorded_arrives_once(here, capsys):
     (model,) = mlflow.search_logged_models(experiment_ids=[fit.info.experiment_id], output_format="list")
     assert np.allclose(mlflow.sklearn.load_model(model.model_uri).predict(X), Y)
     assert model.name == "surrogate P1_00_T030_ 5 _" and mlflow.models.get_model_info(model.model_uri).signature
+    loaded = mlflow.pyfunc.load_model(model.model_uri)
+    assert list(loaded.input_example) == ["youngs_modulus", "yield_stress"]
+    assert loaded.predict(loaded.input_example).shape == (1, Y.shape[1])
     tags = client.get_experiment(fit.info.experiment_id).tags
     envelope = json.loads(tags["mlflow.sharedViewState.palpate"])
     assert len(tags["mlflow.sharedViewState.palpate"]) < 20_000 and envelope["state"].startswith("deflate;")

@@ -56,22 +56,22 @@ def content(verdict, *candidates, held_out=(14.1, 1.9)):
 
 def test_an_identified_effect_comes_with_its_amplitude_its_gain_and_the_bias_it_made():
     said = sentence(content("identified", DRIFT))
-    assert "Thermal drift, rate 0.12 nm/s (0.096 to 0.144)" in said
+    assert "Thermal drift, rate 0.120 nm/s (0.096 to 0.144)" in said
     assert "held-out error falls from 14.1 to 1.9 nm; noise and scatter alone would leave 1.7 nm" in said
-    assert "Young's modulus is 6% too low" in said
+    assert "Young's modulus is 6 % too low" in said
 
 
 def test_an_adequate_model_comes_with_the_test_that_would_show_what_could_hide():
     test = {"test": "a hold of 100 s at 1 mN", "expected_power": 0.93, "hidden_effect": {"thermal_drift.rate": -0.31}}
     assert sentence(content("adequate") | {"discriminating_test": test}).endswith(
         " A hold of 100 s at 1 mN would distinguish a thermal drift of -0.31 nm/s, which these do not exclude, from "
-        "none with a probability of 93%."
+        "none with a probability of 93 %."
     )
 
 
 def test_how_far_the_law_is_off_is_said_with_what_it_resembles_and_the_tolerance():
     within = sentence(content("adequate"))
-    assert "departs from the law by 0.12 % of the depth (0.05 to 0.3), alike at all loads" in within
+    assert "departs from the law by 0.12 % of the depth (0.05 to 0.30), alike at all loads" in within
     assert "tolerance" not in within
     assert "more than the tolerance of the study" in sentence(content("unexplained"))
     undecided = sentence(content("identified", DRIFT) | {"law_within_tolerance": "undecided"})
@@ -81,12 +81,12 @@ def test_how_far_the_law_is_off_is_said_with_what_it_resembles_and_the_tolerance
 
 def test_what_remains_open_is_said_with_its_probability():
     said = sentence(content("identified", DRIFT))
-    assert "nothing further of the library acts has a probability of 90%; most likely hidden: friction." in said
+    assert "nothing further of the library acts has a probability of 90 %; most likely hidden: friction." in said
 
 
 def test_where_no_part_is_significant_the_pattern_that_rejected_the_base_model_is_named():
     found = content("identified", DRIFT) | {"location": [], "pattern": "thermal drift"}
-    assert "in no single part, but like thermal drift" in sentence(found)
+    assert "in no single part significantly, but in all together, as thermal drift does" in sentence(found)
 
 
 def test_a_parameter_that_is_nearly_nothing_is_given_by_value_not_in_percent():

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _row(began: int, data: Any) -> dict[str, Any]:
     """Return what is compared of a run: time, recordings, verdict, errors, parameters, kernel and law."""
-    from palpate.output.rounding import rounded
+    from palpate.base.rounding import rounded
     from palpate.workflow_support.tracking import MATERIAL
 
     metrics: Mapping[str, float] = data.metrics

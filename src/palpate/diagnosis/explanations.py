@@ -17,7 +17,6 @@ from scipy.special import logsumexp
 from scipy.stats import betabinom
 
 from palpate.diagnosis.search import Candidate
-from palpate.inference.problem import Explanation
 from palpate.mechanisms import MECHANISMS
 
 Members = frozenset[str]

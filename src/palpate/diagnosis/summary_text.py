@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from palpate.base.parameters import Parameter, in_words
+from palpate.base.rounding import interval_with_unit, percent
 from palpate.diagnosis import missing_physics
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS, Mechanism
@@ -27,15 +28,14 @@ def sentence(content: Mapping[str, Any]) -> str:
     start = f"The base model misses the recordings{where}." if where else "The base model alone is improbable."
     if verdict == "identified":
         claim = _claim(content["candidates"][0])
-        found = f"{claim[0].upper()}{claim[1:]} ({_percent(content['candidates'][0]['probability'])})"
-        return f"{start} {found}: {_gain(content)}.{_bias(content)}{law}{_open(content)}"
+        return f"{start} {claim[0].upper()}{claim[1:]}: {_gain(content)}.{_bias(content)}{law}{_open(content)}"
     if verdict == "suspected":
         best = f"The best explanation: {_claim(content['candidates'][0])}"
         uncertain = _may_be_none(content["candidates"][0])
         why = f", because the mean of the {uncertain} may be zero" if uncertain else ""
         best = f"{best}. These recordings do not suffice to identify it{why}; {_gain(content)}."
         return f"{start} {best}{law}{_next_test(content, 'it from the base model')}"
-    names = "; ".join(f"{_claim(c)} ({_percent(c['probability'])})" for c in content["candidates"])
+    names = "; ".join(f"{_claim(c)} ({percent(c['probability'])})" for c in content["candidates"])
     names = f"Each of these explains it, and these tests do not distinguish them: {names}"
     return f"{start} {names}.{_in_all(content)}{law}{_next_test(content, 'the first two')}"
 
@@ -53,7 +53,8 @@ def _law(content: Mapping[str, Any]) -> str:
     found = content["discrepancy"]
     if found is None:
         return ""
-    size = f"{100 * found['share']:.2g} % of the depth ({100 * found['lower']:.2g} to {100 * found['upper']:.2g})"
+    share = {key: 100 * found[key] for key in ("share", "lower", "upper")}
+    size = interval_with_unit({"estimate": share["share"], **share, "unit": "% of the depth"})
     alike = f", {CLASS_IN_WORDS[found['class']]}" if found["class"] in CLASS_IN_WORDS else ""
     within = {
         True: "",
@@ -70,7 +71,7 @@ def _open(content: Mapping[str, Any]) -> str:
         MECHANISMS[each["mechanism"]].title for each in found["hidden"][:2] if each["probability"] >= WORTH_NAMING
     ]
     may = f"; most likely hidden: {' or '.join(hidden)}" if hidden else ""
-    return f" That nothing further of the library acts has a probability of {_percent(found['probability'])}{may}."
+    return f" That nothing further of the library acts has a probability of {percent(found['probability'])}{may}."
 
 
 def _next_test(content: Mapping[str, Any], what: str) -> str:
@@ -78,7 +79,7 @@ def _next_test(content: Mapping[str, Any], what: str) -> str:
     if not (test := content["discriminating_test"]):
         return ""
     phrase = f"{test['test'][0].upper()}{test['test'][1:]}"
-    return f" {phrase} would distinguish {what} with a probability of {test['expected_power']:.0%}."
+    return f" {phrase} would distinguish {what} with a probability of {percent(test['expected_power'])}."
 
 
 def _hidden(content: Mapping[str, Any]) -> str:
@@ -109,12 +110,6 @@ def _may_be_none(candidate: Mapping[str, Any]) -> str:
     return " and the ".join(found)
 
 
-def _percent(probability: float) -> str:
-    if 0.0 < probability < 0.005 or 0.995 < probability < 1.0:
-        return "< 1%" if probability < 0.5 else "> 99%"
-    return f"{probability:.0%}"
-
-
 def rounded(value: float, digits: int = 3) -> str:
     """Return a number to some digits, without an exponent where it has up to six."""
     return f"{float(f'{value:.{digits}g}'):g}"
@@ -132,9 +127,8 @@ def _claim(candidate: Mapping[str, Any]) -> str:
         title, values = MECHANISMS[key].title, []
         for parameter in MECHANISMS[key].parameters:
             name, entry = parameter.name.replace("_", " "), candidate["parameters"][f"{key}.{parameter.name}"]
-            interval = f"({rounded(entry['lower'])} to {rounded(entry['upper'])})"
             named = " of" if title.endswith(name) else f", {name}"
-            values.append(f"{named} {_amount(entry['estimate'], parameter)} {interval}")
+            values.append(f"{named} {interval_with_unit(dict(entry) | {'unit': parameter.unit})}")
         claims.append(title + "".join(values))
     return " with ".join(claims)
 
@@ -164,7 +158,11 @@ def _where(content: Mapping[str, Any]) -> str:
     """Return where the misfit is most significant."""
     found = [row for row in content["location"] if row["q_value"] < CERTAIN]
     if not found:
-        return f" in no single part, but like {content['pattern']}" if content["pattern"] else ""
+        return (
+            f" in no single part significantly, but in all together, as {content['pattern']} does"
+            if content["pattern"]
+            else ""
+        )
     row = found[0]
     part = "" if row["part"] == "whole" else f"{row['part']} "
     segment = "the hold" if row["segment"] == "hold" else row["segment"]
@@ -199,4 +197,4 @@ def _bias(content: Mapping[str, Any]) -> str:
     if abs(was - is_now) > abs(is_now):
         return f" Without it, the estimated {in_words(name)} is {rounded(was, 2)} in place of {rounded(is_now, 2)}."
     direction = "high" if was > is_now else "low"
-    return f" Without it, the estimated {in_words(name)} is {abs(was / is_now - 1.0):.0%} too {direction}."
+    return f" Without it, the estimated {in_words(name)} is {abs(100 * was / is_now - 100):.0f} % too {direction}."

@@ -1,4 +1,9 @@
-"""Bilinear elastic-plastic solid: Hooke, J2 yielding, linear isotropic hardening, sigma = sigma_Y + H alpha."""
+r"""Bilinear elastic-plastic solid: Hooke, J2 yielding, linear isotropic hardening.
+
+$$\sigma = \sigma_Y + H \alpha$$
+
+with the equivalent plastic strain $\alpha$.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,10 @@
-"""Yielding that pressure impedes (Drucker-Prager) with isochoric flow: sigma_e = sigma_Y + H alpha + mu p.
+r"""Yielding that pressure impedes (Drucker-Prager) with isochoric flow.
 
-The pressure p is positive in compression, and sigma_Y is the yield stress at zero pressure: in uniaxial tension it is
-sigma_Y / (1 + mu/3). Under tension the yield stress does not fall below a hundredth of sigma_Y: isochoric flow cannot
-return a stress to the apex of the cone.
+$$\sigma_e = \sigma_Y + H \alpha + \mu p$$
+
+The pressure $p$ is positive in compression, and $\sigma_Y$ is the yield stress at zero pressure: in uniaxial tension it
+is $\sigma_Y / (1 + \mu/3)$. Under tension the yield stress does not fall below a hundredth of $\sigma_Y$: isochoric
+flow cannot return a stress to the apex of the cone.
 
 Source: D.C. Drucker and W. Prager, Q. Appl. Math. 10 (1952) 157-165; P.B. Bowden and J.A. Jukes, J. Mater. Sci. 7
 (1972) 52-63, for polymers.

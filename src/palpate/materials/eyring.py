@@ -1,8 +1,9 @@
-"""Eyring flow: creep of thermally activated segments, which pressure slows.
+r"""Eyring flow: creep of thermally activated segments, which pressure slows.
 
-    d eps/dt = (3/2) (s / sigma_e) r_0 sinh(sigma_e / sigma_0) exp(-mu p / sigma_0),   sigma_e = sqrt(3 J2)
+$$\dot\varepsilon = \frac{3}{2} \frac{s}{\sigma_e} r_0 \sinh\left(\frac{\sigma_e}{\sigma_0}\right)
+\exp\left(-\frac{\mu p}{\sigma_0}\right), \qquad \sigma_e = \sqrt{3 J_2}$$
 
-r_0 is a rate, sigma_0 = kT over the activation volume, and p the pressure, positive in compression.
+$r_0$ is a rate, $\sigma_0$ is $kT$ over the activation volume, and $p$ the pressure, positive in compression.
 
 Source: H. Eyring, J. Chem. Phys. 4 (1936) 283-291; I.M. Ward, J. Mater. Sci. 6 (1971) 1397-1417, for the pressure.
 """

@@ -1,6 +1,8 @@
-"""Ludwik hardening: Hooke and J2 yielding, sigma = sigma_Y + K alpha^n.
+r"""Ludwik hardening: Hooke and J2 yielding, a power of the plastic strain.
 
-The hardening modulus is infinite where flow begins; alpha is the equivalent plastic strain.
+$$\sigma = \sigma_Y + K \alpha^n$$
+
+The hardening modulus is infinite where flow begins; $\alpha$ is the equivalent plastic strain.
 
 Source: P. Ludwik, Elemente der technologischen Mechanik (1909).
 """

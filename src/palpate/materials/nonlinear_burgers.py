@@ -1,9 +1,10 @@
-"""Nonlinear Burgers solid: Hooke, power-law steady creep, and Voigt elements driven by a power of the stress.
+r"""Nonlinear Burgers solid: Hooke, power-law steady creep, and Voigt elements driven by a power of the stress.
 
-    d e_s/dt                 = C_s J2^m_s s
-    d e_t/dt + e_t/t_eps     = (C_t/t_eps) J2^m_t s        (one equation for each Voigt element)
+$$\dot\varepsilon_s = C_s J_2^{m_s} s, \qquad
+\dot\varepsilon_t + \frac{\varepsilon_t}{t_\epsilon} = \frac{C_t}{t_\epsilon} J_2^{m_t} s$$
 
-Creep is isochoric. J2 = s:s/2 in GPa^2, so C_s has the unit GPa^-(2 m_s + 1) s^-1 and C_t GPa^-(2 m_t + 1).
+with one equation of the second kind for each Voigt element. Creep is isochoric. $J_2 = s:s/2$ is in GPa², so the unit
+of $C_s$ is $\mathrm{GPa}^{-(2 m_s + 1)} \, \mathrm{s}^{-1}$, and that of $C_t$ is $\mathrm{GPa}^{-(2 m_t + 1)}$.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Retardation spectrum: linear Voigt elements at times spaced evenly in the logarithm, of power-law compliance.
+r"""Retardation spectrum: linear Voigt elements at times spaced evenly in the logarithm, of power-law compliance.
 
-    d e_k/dt + e_k/t_k = J_k s / t_k,   J_k = C (t_k / 1 s)^n,   t_1 = shortest_time ... t_N = longest_time
+$$\dot\varepsilon_k + \frac{\varepsilon_k}{t_k} = \frac{J_k s}{t_k}, \qquad J_k = C \, (t_k / 1 \mathrm{s})^n$$
 
-The sum of J_k (1 - exp(-t/t_k)) then grows about as t^n between the shortest and the longest time.
+for $N$ times from the shortest, $t_1$, to the longest, $t_N$. The sum of $J_k (1 - \exp(-t/t_k))$ then grows about as
+$t^n$ between the shortest and the longest time.
 
 Source: J.D. Ferry, Viscoelastic Properties of Polymers (1980), chapter 3.
 """

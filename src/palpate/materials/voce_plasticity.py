@@ -1,6 +1,8 @@
-"""Voce hardening: Hooke and J2 yielding, sigma = sigma_s - (sigma_s - sigma_Y) exp(-alpha / eps_c).
+r"""Voce hardening: Hooke and J2 yielding, which saturates.
 
-The yield stress rises from sigma_Y to the saturation stress sigma_s; alpha is the equivalent plastic strain.
+$$\sigma = \sigma_s - (\sigma_s - \sigma_Y) \exp(-\alpha / \epsilon_c)$$
+
+The yield stress rises from $\sigma_Y$ to the saturation stress $\sigma_s$; $\alpha$ is the equivalent plastic strain.
 
 Source: E. Voce, J. Inst. Met. 74 (1948) 537-562.
 """

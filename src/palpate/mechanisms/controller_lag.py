@@ -1,4 +1,6 @@
-"""Controller lag: the load on the body follows the recorded one with a delay, P_applied(t) = P_recorded(t - lag).
+r"""Controller lag: the load on the body follows the recorded one with a delay.
+
+$$P_\mathrm{applied}(t) = P_\mathrm{recorded}(t - \mathrm{lag})$$
 
 Under displacement control the same holds for the displacement.
 """

@@ -1,11 +1,13 @@
-"""Decaying drift: tip and specimen reach one temperature only while the test runs.
+r"""Decaying drift: tip and specimen reach one temperature only while the test runs.
 
-A difference of temperature between two bodies in contact decays exponentially, and so does the rate of their expansion,
+A difference of temperature between two bodies in contact decays exponentially, and so does the rate of their expansion.
+The depth gains
 
-    depth gains rate * t + amplitude * (1 - exp(-t / time)),
+$$\mathrm{rate} \cdot t + \mathrm{amplitude} \, (1 - \exp(-t / \mathrm{time})),$$
 
-which begins at rate + amplitude / time [nm/s] and ends at the steady rate. Rate and amplitude follow the temperatures
-at which a test begins, so each recording has its own; the time belongs to the instrument and is the same in all.
+whose rate begins at rate + amplitude / time [nm/s] and ends at the steady rate. Rate and amplitude follow the
+temperatures at which a test begins, so each recording has its own; the time belongs to the instrument and is the same
+in all.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Size effect: at small depth the material resists inelastic flow more, by sqrt(1 + length / depth)."""
+r"""Size effect: at small depth the material resists inelastic flow more.
+
+The factor of its resistance is $\sqrt{1 + \mathrm{length} / h}$ at the depth $h$.
+"""
 
 from __future__ import annotations
 

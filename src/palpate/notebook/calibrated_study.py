@@ -10,7 +10,7 @@ from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import resampled
 from palpate.notebook.notebook_study import study_of
 from palpate.notebook.session import kept_results
-from palpate.notebook.study_tests import Given, StudyTests
+from palpate.notebook.study_tests import Given, given_tests
 from palpate.output.results.calibration import Calibration
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.solver import store
@@ -58,23 +58,26 @@ def calibrate(
     """
     chosen, report = study_of(study), report or silent
     check_calibration(chosen)
-    tests = StudyTests.of(chosen, recordings)
-    observed = resampled(chosen, tests.by_condition)
+    name, tests = given_tests(chosen, recordings)
+    observed = resampled(chosen, tests)
     check_objective(chosen, observed)
     models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
+    report("step 3 of 3: search and least squares")
     found = calibrate_study(chosen, models, observed, report)
-    content = found.to_mapping(study=chosen.name, recordings=tests.name, condition_set=ALL)
+    content = found.to_mapping(study=chosen.name, recordings=name, condition_set=ALL)
     curves = curves_beside(chosen, observed, found, report)
-    return Calibration(SavedSet(chosen, tests.name, tests.by_condition, {ALL: content}, {ALL: curves}))
+    return Calibration(SavedSet(chosen, name, tests, {ALL: content}, {ALL: curves}))
 
 
 def _surrogates(study: Study, results: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:
     """Return the surrogate of each condition that calibrates; those of its snapshots that are missing are simulated."""
+    report("step 1 of 3: snapshots")
     contents: dict[str, list[dict[str, Any]]] = {}
     for batch in store.plan(study):
         found = store.computed(batch.snapshots, results / "store", report)
         for snapshot, content in zip(batch.snapshots, found, strict=True):
             contents.setdefault(snapshot.condition, []).append(content)
+    report("step 2 of 3: surrogates")
     models = {}
     for name, curves in contents.items():
         models[name], _, _, summary = fit_surrogate(study, name, curves)

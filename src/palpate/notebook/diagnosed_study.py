@@ -12,11 +12,10 @@ from palpate.diagnosis.study_diagnosis import diagnosed
 from palpate.errors import InputError
 from palpate.notebook.calibrated_study import calibrate, silent
 from palpate.notebook.notebook_study import study_of
-from palpate.notebook.study_tests import Given, StudyTests
+from palpate.notebook.study_tests import Given, given_tests
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis
-from palpate.study.protocol import Protocol
-from palpate.workflow_support.check_study import check_diagnosis
+from palpate.workflow_support.check_study import check_diagnosis, check_same_model
 
 
 def diagnose(
@@ -64,36 +63,11 @@ def diagnose(
         problem = f"{type(calibration).__name__} is no calibration of a study"
         raise InputError(problem, remedy="give what calibrate returns, or leave it out", place="calibration")
     else:
-        _check_same(chosen, calibration.study)
+        check_same_model(chosen, calibration.study)
     saved = replace(calibration.saved, study=chosen)
     if recordings is not None:
-        tests = StudyTests.of(chosen, recordings)
-        saved = replace(saved, name=tests.name, tests=tests.by_condition)
+        name, tests = given_tests(chosen, recordings)
+        saved = replace(saved, name=name, tests=tests)
     by_condition = {name: list(tests) for name, tests in saved.tests.items()}
     content, curves = diagnosed(chosen, by_condition, calibration.values, report or silent)
     return Diagnosis(replace(saved, diagnosis=content | {"recordings": saved.name}, explained=curves))
-
-
-def _check_same(study: Study, calibrated: Study) -> None:
-    """Refuse the calibration of a study that simulates something else; raises `InputError`."""
-    ours, theirs = (", ".join(sorted(each.levels)) for each in (study, calibrated))
-    here, there = ({c.name: _history(c.protocol) for c in each.conditions} for each in (study, calibrated))
-    other = ", ".join(name for name in {**here, **there} if here.get(name) != there.get(name))
-    for differs, what in (
-        (ours != theirs, f"{theirs}, the study asks for {ours}"),
-        (study.model != calibrated.model, f"the law {calibrated.model}"),
-        (study.fixed != calibrated.fixed, "other values under material"),
-        (study.indenter != calibrated.indenter, "another indenter"),
-        (study.kinematics != calibrated.kinematics, f"{calibrated.kinematics} strains"),
-        (here != there, f"other conditions: {other}"),
-    ):
-        if differs:
-            raise InputError(
-                f"the calibration is of {what}", remedy="give the calibration of this study, or leave it out",
-                place="calibration",
-            )  # fmt: skip
-
-
-def _history(protocol: Protocol) -> tuple[Any, ...]:
-    """Return what a protocol prescribes, to be compared."""
-    return protocol.control, protocol.compliance, protocol.knot_time.tolist(), protocol.knot_drive.tolist()

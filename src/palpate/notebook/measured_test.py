@@ -7,15 +7,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.errors import InputError, located_in
-from palpate.output.figures.recorded_test import COLOURS
-from palpate.output.shown import Shown, axes_for, extent
+from palpate.output.figures.recorded_test import by_segment
+from palpate.output.shown import Shown, axes_for, extent, frame_of
 from palpate.recordings.readers import (
     CORRECTIONS,
     ColumnMap,
@@ -28,7 +27,6 @@ from palpate.recordings.readers import (
     zeroed_each,
 )
 from palpate.recordings.readers.vendor import in_words
-from palpate.recordings.recording import Recording
 from palpate.recordings.segments import Segment, segments
 
 
@@ -53,35 +51,12 @@ class MeasuredTest(Shown):
     corrections: frozenset[str] | None = None
     remarks: tuple[str, ...] = ()
 
-    @property
-    def name(self) -> str:
-        """Name of the test in its file, or its number."""
-        return self.source.name
-
-    @property
-    def recording(self) -> Recording:
-        """Time [s], load [mN] and depth [nm] from contact on."""
-        return self.source.recording
-
-    @property
-    def time(self) -> np.ndarray:
-        """Time [s], shape (n,)."""
-        return self.recording.time
-
-    @property
-    def load(self) -> np.ndarray:
-        """Load [mN], shape (n,)."""
-        return self.recording.load
-
-    @property
-    def depth(self) -> np.ndarray:
-        """Depth [nm], shape (n,)."""
-        return self.recording.depth
-
-    @property
-    def metadata(self) -> Mapping[str, Any]:
-        """Instrument, tip, method and results as the file states them, by the vendor's names."""
-        return self.source.metadata
+    name = property(lambda self: self.source.name, doc="Name of the test in its file, or its number.")
+    recording = property(lambda self: self.source.recording, doc="The recording from contact on.")
+    time = property(lambda self: self.recording.time, doc="Time [s], shape (n,).")
+    load = property(lambda self: self.recording.load, doc="Load [mN], shape (n,).")
+    depth = property(lambda self: self.recording.depth, doc="Depth [nm], shape (n,).")
+    metadata = property(lambda self: self.source.metadata, doc="What the file states, by the vendor's names.")
 
     @property
     def segments(self) -> list[Segment]:
@@ -92,14 +67,10 @@ class MeasuredTest(Shown):
 
     def sentences(self) -> list[str]:
         """Return sentences on it."""
-        try:
-            found = segments(self.time, self.load)
-            parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in found]
-        except InputError as error:
-            parts = [f"no segments: {error.problem}"]
+        parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
         return [
             extent(self.load, self.depth, float(np.ptp(self.time))),
-            "; ".join(parts),
+            "; ".join(parts) or "its segments are not found",
             f"corrections in depth: {in_words(self.corrections)}",
             f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
             *self.recording.notes,
@@ -109,25 +80,12 @@ class MeasuredTest(Shown):
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
-        columns = {"time_s": self.time, "load_mN": self.load, "depth_nm": self.depth}
-        if self.recording.stiffness is not None:
-            columns["stiffness_mN_per_nm"] = self.recording.stiffness
-        return pd.DataFrame(columns)
+        return frame_of(self.recording)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the load [mN] over the depth [nm], one colour a segment, on `ax` or new axes, and return them."""
-        ax, labelled = axes_for(ax), set[str]()
-        for part in self.segments:
-            inside, label = slice(part.first, part.last + 1), part.kind.replace("_", " ")
-            ax.plot(
-                self.depth[inside],
-                self.load[inside],
-                color=COLOURS[part.kind],
-                label=None if label in labelled else label,
-            )
-            labelled.add(label)
-        if not labelled:
-            ax.plot(self.depth, self.load, label="recorded")
+        ax = axes_for(ax)
+        by_segment(ax, self.depth, self.load, self.segments)
         ax.set(xlabel="depth [nm]", ylabel="load [mN]", title=f"{self.file.name}, {self.name}")
         ax.legend()
         return ax
@@ -174,17 +132,13 @@ def read_recording(
     InputError
         When the file cannot be read, holds several tests and none is chosen, or has no such test.
     """
-    path = _path(path)
     tests, chosen = _read(path, contact, corrections, columns, units)
     if test is None and len([each for each in tests if isinstance(each, VendorTest) or each.sought]) > 1:
         names = ", ".join(f"{each.name!r}" for each in tests)
-        raise InputError(
-            f"holds {len(tests)} tests: {names}",
-            remedy="choose one by name or number, test=1, or read all with read_recordings",
-            file=path,
-        )
-    one = sound(tests[0]) if test is None else select(tests, str(test), path, "test")
-    return MeasuredTest(path, one, chosen)
+        remedy = "choose one by name or number, test=1, or read all with read_recordings"
+        raise InputError(f"holds {len(tests)} tests: {names}", remedy=remedy, file=path)
+    one = sound(tests[0]) if test is None else select(tests, str(test), Path(path), "test")
+    return MeasuredTest(Path(path), one, chosen)
 
 
 def read_recordings(
@@ -195,35 +149,37 @@ def read_recordings(
     columns: Mapping[str, str | int] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> list[MeasuredTest]:
-    """Read all tests of a file; arguments as for `read_recording`.
+    """Read all tests of a file that can be read; the remarks of the first list the problems of the others.
 
-    Parameters
-    ----------
-    path, contact, corrections, columns, units
-        See `read_recording`.
-
-    Returns
-    -------
-    list of MeasuredTest
-        Those that can be read; the remarks of the first list the problems of the others.
-
-    Raises
-    ------
-    InputError
-        When no test can be read.
+    Arguments are those of `read_recording`; raises `InputError` when no test can be read.
     """
-    path = _path(path)
     tests, chosen = _read(path, contact, corrections, columns, units)
-    lost = tuple(messages(path, [test for test in tests if isinstance(test, Unreadable)]))
+    lost = tuple(messages(Path(path), [test for test in tests if isinstance(test, Unreadable)]))
     readable = [test for test in tests if isinstance(test, VendorTest)]
-    return [MeasuredTest(path, test, chosen, () if number else lost) for number, test in enumerate(readable)]
+    return [MeasuredTest(Path(path), test, chosen, () if number else lost) for number, test in enumerate(readable)]
 
 
-def _path(given: object) -> Path:
-    """Return the path of a file; raises `InputError` when it is none."""
-    if not isinstance(given, str | PathLike):
-        raise InputError(f"{type(given).__name__} is no path", remedy="give the path of a file", place="path")
-    return Path(given)
+def _read(
+    path: object,
+    contact: str | float,
+    corrections: Iterable[str] | None,
+    columns: Mapping[str, str | int] | None,
+    units: Mapping[str, str] | None,
+) -> tuple[Sequence[VendorTest | Unreadable], frozenset[str] | None]:
+    """Return the tests of a file, each from contact on, and which corrections are in the depth."""
+    if not isinstance(path, str | PathLike):
+        raise InputError(f"{type(path).__name__} is no path", remedy="give the path of a file", place="path")
+    chosen, file = _corrections(corrections), Path(path)
+    for place, given in (("columns", columns), ("units", units)):
+        if given is not None and not isinstance(given, Mapping):
+            problem = f"{type(given).__name__} is no mapping of channels"
+            raise InputError(problem, remedy="name time, load and depth, such as {'load': ...}", place=place)
+    if units and not columns:
+        raise InputError("units are given without columns", remedy="give columns too", file=file, place="units")
+    named, stated = ({key: str(text) for key, text in (given or {}).items()} for given in (columns, units))
+    whole = read_each(file, corrections=chosen, contact="none", columns=ColumnMap(named, stated) if named else None)
+    with located_in(file):
+        return zeroed_each(file, whole, contact), chosen
 
 
 def _corrections(given: object) -> frozenset[str] | None:
@@ -232,31 +188,6 @@ def _corrections(given: object) -> frozenset[str] | None:
         return None
     names = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
     if not all(name in CORRECTIONS for name in names):
-        raise InputError(
-            f"corrections are {', '.join(map(str, names))}",
-            remedy=f"name some of: {', '.join(CORRECTIONS)}; an empty list for none",
-            place="corrections",
-        )
+        remedy = f"name some of: {', '.join(CORRECTIONS)}; an empty list for none"
+        raise InputError(f"corrections are {', '.join(map(str, names))}", remedy=remedy, place="corrections")
     return frozenset(map(str, names))
-
-
-def _read(
-    path: Path,
-    contact: str | float,
-    corrections: Iterable[str] | None,
-    columns: Mapping[str, str | int] | None,
-    units: Mapping[str, str] | None,
-) -> tuple[Sequence[VendorTest | Unreadable], frozenset[str] | None]:
-    """Return the tests of a file, each from contact on, and which corrections are in the depth."""
-    chosen = _corrections(corrections)
-    for place, given in (("columns", columns), ("units", units)):
-        if given is not None and not isinstance(given, Mapping):
-            problem = f"{type(given).__name__} is no mapping of channels"
-            raise InputError(problem, remedy="name time, load and depth, such as {'load': ...}", place=place)
-    if units and not columns:
-        raise InputError("units are given without columns", remedy="give columns too", file=path, place="units")
-    named, stated = ({key: str(text) for key, text in (given or {}).items()} for given in (columns, units))
-    table = ColumnMap(named, stated) if named else None
-    whole = read_each(path, corrections=chosen, contact="none", columns=table)
-    with located_in(path):
-        return zeroed_each(path, whole, contact), chosen

@@ -15,7 +15,7 @@ from palpate.base.yaml_file import read_yaml
 from palpate.errors import InputError, PalpateError, located_in
 from palpate.notebook.plain_values import plain
 from palpate.output.figures.style import RECORDED
-from palpate.output.shown import Shown, axes_for, extent
+from palpate.output.shown import Shown, axes_for, extent, frame_of
 from palpate.recordings.recording import SYNTHETIC, Recording
 from palpate.solver import simulation
 from palpate.study.specification import Specification
@@ -59,7 +59,7 @@ class SimulatedCurve(Shown):
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a point: time_s, load_mN, depth_nm."""
-        return pd.DataFrame({"time_s": self.time, "load_mN": self.load, "depth_nm": self.depth})
+        return frame_of(self.recording)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the load [mN] over the depth [nm] on `ax` or new axes, and return them."""
@@ -134,11 +134,9 @@ def _asked(
     """Return what to simulate, with the `given` sections in place of its own."""
     if isinstance(specification, Specification):
         if given:
-            raise InputError(
-                f"{next(iter(given))} is given beside a whole specification",
-                remedy="change the specification with dataclasses.replace, or give a mapping",
-                place=next(iter(given)),
-            )
+            remedy = "change the specification with dataclasses.replace, or give a mapping"
+            name = next(iter(given))
+            raise InputError(f"{name} is given beside a whole specification", remedy=remedy, place=name)
         return specification
     file = specification if isinstance(specification, str | Path) else None
     values: Any = read_yaml(file) if file is not None else specification or {}

@@ -12,8 +12,8 @@ from string import Template
 import numpy as np
 import pandas as pd
 
+from palpate.base.rounding import rounded, unit_html
 from palpate.observables import UNITS
-from palpate.output.rounding import rounded, unit_html
 
 PAGE = Template("""<!doctype html>
 <html lang="en">
@@ -33,6 +33,7 @@ $script
 </html>
 """)
 STYLE = Path(__file__).with_name("page.css")
+MINUS = re.compile(r"(?<![\w.)\]])-(?=\d)")  # before a number, where a hyphen stands for it
 NUMBER = re.compile(r"|[-−+<>]? ?\d+(\.\d+)?( × 10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( %| nm| mN)?")  # none, or one with a short unit
 TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 
@@ -55,7 +56,12 @@ def image(path: str | Path, seen: str, caption: str = "") -> str:
 
 def paragraph(text: str, kind: str = "") -> str:
     """Return a paragraph of plain text."""
-    return f"<p{f' class={kind!r}' if kind else ''}>{html.escape(text)}</p>"
+    return f"<p{f' class={kind!r}' if kind else ''}>{escaped(text)}</p>"
+
+
+def escaped(text: str) -> str:
+    """Return plain text as HTML, in which no line ends before a per cent sign."""
+    return html.escape(text).replace(" %", "\u00a0%")
 
 
 def table(frame: pd.DataFrame, caption: str = "") -> str:
@@ -66,11 +72,11 @@ def table(frame: pd.DataFrame, caption: str = "") -> str:
     units = frame["unit"].map(unit_html) if "unit" in frame else None
     cells = shown(frame.drop(columns="unit", errors="ignore"))
     numeric = [name for name in cells if cells[name].map(_is_number).all() and len(cells)]
-    above = f"<caption>{html.escape(caption)}</caption>" if caption else ""
+    above = f"<caption>{escaped(caption)}</caption>" if caption else ""
     head = "".join(f"<th{' class=number' if name in numeric else ''}>{html.escape(str(name))}</th>" for name in cells)
     rows = []
     for k, row in enumerate(cells.itertuples(index=False)):
-        texts = [html.escape(str(value)) for value in row]
+        texts = [MINUS.sub("−", html.escape(str(value))) for value in row]
         if units is not None and units.iloc[k] and texts:
             texts[0] += f" [{units.iloc[k]}]"
         marks = [" class=number" if name in numeric else "" for name in cells]
@@ -146,4 +152,4 @@ def build(title: str, sections: Sequence[tuple[str, Sequence[str]]], notes: Sequ
 
 def definitions(rows: Mapping[str, str]) -> str:
     """Return a list of terms with what is said of each, as plain text."""
-    return "<dl>" + "".join(f"<dt>{html.escape(k)}</dt><dd>{html.escape(v)}</dd>" for k, v in rows.items()) + "</dl>"
+    return "<dl>" + "".join(f"<dt>{html.escape(k)}</dt><dd>{escaped(v)}</dd>" for k, v in rows.items()) + "</dl>"

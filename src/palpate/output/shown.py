@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from palpate.output import html_report
 from palpate.output.figures.style import DOUBLE_COLUMN, styled
+from palpate.recordings.recording import Recording
 
 
 class Shown:
@@ -47,6 +48,13 @@ def extent(load: np.ndarray, depth: np.ndarray, duration: float) -> str:
         f"{len(load)} points in {duration:.4g} s; at the largest load, {load[peak]:.4g} mN, the depth is "
         f"{depth[peak]:.4g} nm"
     )
+
+
+def frame_of(recording: Recording) -> pd.DataFrame:
+    """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
+    columns = {"time_s": recording.time, "load_mN": recording.load, "depth_nm": recording.depth}
+    more = {} if recording.stiffness is None else {"stiffness_mN_per_nm": recording.stiffness}
+    return pd.DataFrame(columns | more)
 
 
 def axes_for(ax: Axes | None) -> Axes:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.study.indenter import check_cone
+from palpate.study.protocol import Protocol
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.steps import settings_of
 
@@ -166,3 +168,28 @@ def _check_area(tip: AreaFunction) -> None:
             place="area",
         )
     check_cone(tip, UNLOADED[1])
+
+
+def check_same_model(study: Study, calibrated: Study) -> None:
+    """Refuse the calibration of a study that simulates something else; raises `InputError`."""
+    ours, theirs = (", ".join(sorted(each.levels)) for each in (study, calibrated))
+    here, there = ({c.name: _history(c.protocol) for c in each.conditions} for each in (study, calibrated))
+    other = ", ".join(name for name in {**here, **there} if here.get(name) != there.get(name))
+    for differs, what in (
+        (ours != theirs, f"{theirs}, the study asks for {ours}"),
+        (study.model != calibrated.model, f"the law {calibrated.model}"),
+        (study.fixed != calibrated.fixed, "other values under material"),
+        (study.indenter != calibrated.indenter, "another indenter"),
+        (study.kinematics != calibrated.kinematics, f"{calibrated.kinematics} strains"),
+        (here != there, f"other conditions: {other}"),
+    ):
+        if differs:
+            raise InputError(
+                f"the calibration is of {what}", remedy="give the calibration of this study, or leave it out",
+                place="calibration",
+            )  # fmt: skip
+
+
+def _history(protocol: Protocol) -> tuple[Any, ...]:
+    """Return what a protocol prescribes, to be compared."""
+    return protocol.control, protocol.compliance, protocol.knot_time.tolist(), protocol.knot_drive.tolist()

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TextIO
 
+from palpate.base.rounding import rounded
 from palpate.inference.calibration_result import MOST_MISFIT
-from palpate.output.rounding import rounded
 from palpate.workflow_support.expected_time import COMPILING, time_in_words
 from palpate.workflow_support.result_files import read_json
 

@@ -2,8 +2,9 @@
 
 A calibration simulates curves and derivatives until it has converged, and a diagnosis does so for each explanation;
 neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of a public
-recording (docs/measurements.md) on a free core, at ``accuracy: standard``; a study may well take half or twice as long,
-and a diagnosis that finds its explanation early much less. Under a pyramid snapshots and searches are those of the
+recording (docs/measurements.md) on a free core, at ``accuracy: standard``; a study may well take half or twice as long.
+Replicates make the noise known, so that few sets of effects remain likely beside the best one; without them a
+diagnosis fits many. Under a pyramid snapshots and searches are those of the
 equivalent cone, and fits simulate a few curves of the pyramid besides.
 """
 
@@ -13,16 +14,20 @@ from collections.abc import Iterator
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.candidates import candidates
+from palpate.inference.study_recordings import files_of
 from palpate.solver.store import conditions_by_shape
 
-CREEP, PLASTIC, ELASTIC = 0.12, 0.35, 0.05  # s of processor time of one curve of 100 points
+CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.05  # s of processor time of one curve of 100 points
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
-CALIBRATION = 400  # curves of one condition
-EXPLANATION = 200  # curves of one condition for each mechanism that is considered, pairs included
+CALIBRATION = 160  # curves of one condition
+EXPLANATION = 40  # curves of one condition for each mechanism that is considered, with replicates
+ALONE = 200  # the same without
 FURTHER = 0.3  # of that, for each further condition: conditions are solved together
 PYRAMID = 21.0 / CREEP  # times that, one curve of the pyramid at few points: of the epoxy 21 s (docs/pyramid.md)
 PYRAMIDS = 3  # such curves of one condition, at most in a calibration (docs/pyramid.md), and about in a diagnosis
 STANDARD = "standard"  # the accuracy for which these times hold
+SURROGATE = 2.0  # s, of the surrogate of one condition
+OTHERS = {"laboratory": 20.0, "figures": 6.0, "report": 3.0, "tracking": 8.0}  # s, of the jobs of these rules
 COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
 
@@ -31,17 +36,18 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
     snapshots = cost * curves / cores
-    together = len(study.recordings) * cost * (1.0 + FURTHER * (len(study.calibrated) - 1))
-    fits = together * CALIBRATION * len(study.condition_sets)
+    sets = [_together(cost, len(members)) for members in study.condition_sets.values()]
+    fits = len(study.recordings) * CALIBRATION * sum(sets)
     mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
-    explanations = together * EXPLANATION * mechanisms
+    explanations = sum(_diagnosis(study, cost, name) for name in study.recordings) if mechanisms else 0.0
     searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
     pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)
     accurate = cost * PYRAMID * pyramids
-    total = snapshots + fits + explanations + accurate
+    others = sum(OTHERS.values()) + SURROGATE * len(study.calibrated)
+    total = snapshots + fits + explanations + accurate + others
     parts = [f"{curves} snapshots {time_in_words(snapshots)}"]
     parts += [f"calibration {time_in_words(fits)}"] if study.recordings else []
-    parts += [f"diagnosis of {mechanisms} mechanisms up to {time_in_words(explanations)}"] if mechanisms else []
+    parts += [f"diagnosis of {mechanisms} mechanisms {time_in_words(explanations)}"] if mechanisms else []
     parts += [f"up to {pyramids} curves of the pyramid {time_in_words(accurate)}"] if pyramids else []
     processors = f"{cores} free core{'s' if cores > 1 else ''}"
     finer = "" if study.accuracy == STANDARD else f" for accuracy {STANDARD} ({study.accuracy} takes longer)"
@@ -60,17 +66,25 @@ def job_seconds(study: Study, batches: int) -> dict[str, float]:
         Jobs that compute snapshots.
     """
     cost = _cost_of_curve(study)
-    together = cost * (1.0 + FURTHER * (len(study.calibrated) - 1))
     return {
         "snapshots": cost * len(study.cells) * len(conditions_by_shape(study)) / max(batches, 1),
-        "surrogate": 2.0,
-        "calibration": together * CALIBRATION,
-        "diagnosis": together * EXPLANATION * len(candidates(study)),
-        "laboratory": 20.0,
-        "figures": 6.0,
-        "report": 3.0,
-        "tracking": 8.0,
+        "surrogate": SURROGATE,
+        "calibration": _together(cost, len(study.calibrated)) * CALIBRATION,
+        "diagnosis": max((_diagnosis(study, cost, name) for name in study.recordings), default=0.0),
+        **OTHERS,
     }
+
+
+def _together(cost: float, conditions: int) -> float:
+    """Return the time of one curve of each condition [s], as conditions are solved together."""
+    return cost * (1.0 + FURTHER * (conditions - 1))
+
+
+def _diagnosis(study: Study, cost: float, recordings: str) -> float:
+    """Return the time of the diagnosis of a set of recordings [s]."""
+    repeated = len(files_of(study, recordings)) >= 2 * len(study.conditions)
+    each = EXPLANATION if repeated else ALONE
+    return _together(cost, len(study.calibrated)) * each * len(candidates(study))
 
 
 def _cost_of_curve(study: Study) -> float:

@@ -29,6 +29,8 @@ def log(client: Any, identity: str, run: Mapping[str, Any]) -> None:
 def fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
     """Log what a run holds: parameters, metrics, series, dataset, files, and the surrogate as a loadable model."""
     import mlflow
+    import numpy as np
+    import pandas as pd
 
     log(client, identity, run)
     if run["dataset"]:
@@ -40,12 +42,16 @@ def fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:
         client.log_text(identity, text, name)
     if run["surrogate"]:
         model = load(run["surrogate"])
-        points = model.lower_[None]
+        example = pd.DataFrame(model.lower_[None])
+        if names := run.get("inputs"):  # a record of a former version has none
+            example.columns = pd.Index(names)
+            model.feature_names_in_ = np.array(names, dtype=object)
         with mlflow.start_run(run_id=identity):
             mlflow.sklearn.log_model(
                 model,
                 name=re.sub(REFUSED, "_", run["model"]),
-                signature=mlflow.models.infer_signature(points, model.predict(points)),
+                signature=mlflow.models.infer_signature(example, model.predict(example)),
+                input_example=example,
                 pip_requirements=["palpate", "scikit-learn", "scipy", "numpy"],
                 serialization_format="cloudpickle",
             )

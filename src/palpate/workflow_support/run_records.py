@@ -60,7 +60,8 @@ class Run:
     dataset
         Name, digest and folder of the recordings.
     surrogate
-        Path of the surrogate, where there is one, and model, the name under which it is logged.
+        Path of the surrogate, where there is one, and model, the name under which it is logged, with the names of its
+        inputs.
     started, ended
         Milliseconds since 1970.
     """
@@ -76,6 +77,7 @@ class Run:
     dataset: dict[str, str] = field(default_factory=dict)
     surrogate: str | None = None
     model: str = ""
+    inputs: list[str] = field(default_factory=list)
     started: int = 0
     ended: int = 0
 

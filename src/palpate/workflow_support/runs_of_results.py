@@ -11,6 +11,7 @@ from typing import Any
 
 from palpate.configuration.study_file import Study
 from palpate.materials import law_of
+from palpate.mechanisms import MECHANISMS
 from palpate.output.results.answer import Answer, tip_in_words
 from palpate.output.results.calibration import Calibration
 from palpate.output.saved_set import SavedSet, labels
@@ -45,6 +46,7 @@ def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[s
         metrics,
         {f"by_point.loo_rms_{unit}": summary[f"loo_rms_{unit}"]},
         model=f"surrogate {condition} {kernel}",
+        inputs=list(study.levels),
     )
 
 
@@ -77,11 +79,12 @@ def of_diagnosis(content: Mapping[str, Any], study: Study, files: Sequence[str |
     whole.files = list(map(str, files))
     explanations = []
     for row in content["tried"]:
-        title = " + ".join(row["mechanisms"]) or "base model"
+        title = " + ".join(MECHANISMS[key].title for key in row["mechanisms"]) or "base model"
         found = {"fitted_nm": row["rmse_nm"], "log_evidence": row["log_evidence"], "probability": row["probability"]}
         found |= row["parameters"] | row["material"]
+        found = {key: float(f"{value:.{DIGITS}g}") for key, value in found.items()}
         tags = {**of, "mechanisms": "+".join(row["mechanisms"]) or "none"}
-        explanations.append(Run(f"explanation {title}", "explanation", tags, params, found))
+        explanations.append(Run(f"{title} - explanation", "explanation", tags, params, found))
     return [whole, *explanations]
 
 

@@ -62,8 +62,15 @@ def bars(axis: Axes, frame: pd.DataFrame) -> None:
     for k, row in enumerate(frame.to_dict("records")):
         look = {"color": SIMULATED} if row["accepted"] else {"color": "0.8", "edgecolor": "0.5", "linewidth": 0.5}
         axis.barh(k, row["over_base"], height=0.7, **look)
-        axis.text(1.01, k, f"{row['behind_best']:.1f}", transform=axis.get_yaxis_transform(), va="center", fontsize=7)
-    axis.text(1.01, -0.9, "to best", transform=axis.get_yaxis_transform(), va="center", fontsize=7)
+        axis.text(
+            1.01,
+            k,
+            f"{row['behind_best']:.1f}".replace("-", "−"),
+            transform=axis.get_yaxis_transform(),
+            va="center",
+            fontsize=7,
+        )
+    axis.text(1.01, -0.9, "rel. to best", transform=axis.get_yaxis_transform(), va="center", fontsize=7)
     axis.axvline(0, color="0.4", lw=0.6)
     axis.set_ylim(len(frame) - 0.4, -1.2)
     axis.set_yticks(range(len(names)), names, linespacing=0.95)
@@ -79,7 +86,8 @@ def caption(frame: pd.DataFrame) -> str:
     accepted = "dark bars are accepted" if frame["accepted"].any() else "none is accepted"
     return (
         f"{which} that were fitted, by their log evidence relative to the base model; numbers at the right are "
-        f"relative to the best. Of these {accepted}."
+        f"relative to the best. Of these {accepted}. The probability of a set also counts its prior, which falls with "
+        "the number of effects."
     )
 
 

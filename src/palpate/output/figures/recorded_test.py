@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
 from palpate.recordings.readers.zero import FOUND
+from palpate.recordings.segments import Segment
 from palpate.recordings.survey import Survey
 
 COLOURS = {
@@ -33,13 +37,10 @@ def draw(found: Survey, path: str | Path, taken: tuple[str, float]) -> None:
     r, contact = found.recording, found.contact
     figure, axes = subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.6))
     (in_load, curve), (in_depth, near) = axes
-    for part in found.parts:
-        inside = slice(part.first, part.last + 1)
-        style = {"color": COLOURS[part.kind], "label": part.kind.replace("_", " ")}
-        in_load.plot(r.time[inside], r.load[inside], **style)
-        in_depth.plot(r.time[inside], r.depth[inside], **style)
-        curve.plot(r.depth[inside], r.load[inside], **style)
-        near.plot(r.depth[inside], r.load[inside], ".", ms=2.5, **style)
+    by_segment(in_load, r.time, r.load, found.parts)
+    by_segment(in_depth, r.time, r.depth, found.parts)
+    by_segment(curve, r.depth, r.load, found.parts)
+    by_segment(near, r.depth, r.load, found.parts, marker=".", linestyle="", ms=2.5)
     _around_contact(near, found)
     if len(contact.baseline_time):
         style = {"color": "0.15", "linewidth": "0.8", "linestyle": "--", "label": "baseline"}
@@ -71,6 +72,18 @@ def draw(found: Survey, path: str | Path, taken: tuple[str, float]) -> None:
     figure.legend(labelled.values(), labelled.keys(), loc="outside lower center", ncols=4, fontsize=6.5)
     figure.suptitle(r.name, fontsize=9, x=0.01, ha="left")
     save(figure, path)
+
+
+def by_segment(axis: Axes, x: np.ndarray, y: np.ndarray, parts: Iterable[Segment], **look: Any) -> None:
+    """Draw `y` over `x` on `axis`, one colour a segment of `parts`, each kind once in the legend; whole without any."""
+    labels: set[str] = set()
+    for part in parts:
+        inside, label = slice(part.first, part.last + 1), part.kind.replace("_", " ")
+        shown = None if label in labels else label
+        axis.plot(x[inside], y[inside], color=COLOURS[part.kind], label=shown, **look)
+        labels.add(label)
+    if not labels:
+        axis.plot(x, y, label="recorded", **look)
 
 
 def _around_contact(axis, found: Survey) -> None:

@@ -6,10 +6,10 @@ import html
 from collections.abc import Sequence
 
 from palpate.base.parameters import in_words
+from palpate.base.rounding import interval_of, rounded, unit_html
 from palpate.output.html_report import definitions, paragraph
 from palpate.output.results.answer import Answer
 from palpate.output.results.diagnosis import effect_sentence
-from palpate.output.rounding import interval_of, rounded, unit_html
 
 
 def answer(found: Answer) -> str:
@@ -46,7 +46,11 @@ def parameters(found: Answer) -> str:
     caption = f"Parameters of the {with_effects if accepted else 'base model'}"
     if verdict == "unexplained":
         caption += "; their intervals assume that it is right, which it is not"
-    held = ", ".join(f"{in_words(name)} {value:g}" for name, value in found.constants.items())
+    units = {name: found.saved.quantity(name).unit for name in found.constants}
+    held = ", ".join(
+        f"{in_words(name)} {value:g}{'' if units[name] == '-' else f' {units[name]}'}"
+        for name, value in found.constants.items()
+    )
     note = paragraph(f"Held constant: {held}.", "soft") if held else ""
     head = "".join(f"<th>{text}</th>" for text in heads)
     body = "".join(f"<tr>{row}</tr>" for row in rows)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from palpate.output.figures import curves, residuals
+from palpate.output.figures import curve_panels, curves, residuals
 from palpate.output.saved_set import SavedSet
 from palpate.study.protocol import LOAD
 
@@ -37,7 +37,7 @@ def _set(saved: SavedSet, most: int) -> list[dict[str, Any]]:
         curve, left = (frame[frame["condition"] == condition.name] for frame in (table, differences))
         if not len(curve):
             continue
-        unit, drive = curves.unit_of(curve), condition.protocol
+        unit, drive = curve_panels.unit_of(curve), condition.protocol
         rows = _rows(len(curve), POINTS)
         found: dict[str, Any] = {
             "label": saved.labels[condition.name],
@@ -51,7 +51,7 @@ def _set(saved: SavedSet, most: int) -> list[dict[str, Any]]:
         for key, frame in (("curve", curve), ("left", left)):
             names = ("recorded", "base", "accepted") if key == "curve" else ("base", "accepted", "band")
             found[key] = {
-                name: _numbers(each, rows) for name in names if (each := curves.response(frame, name)) is not None
+                name: _numbers(each, rows) for name in names if (each := curve_panels.response(frame, name)) is not None
             }
         found["tests"] = [_test(test, most) for test in saved.tests.get(condition.name, ())]
         conditions.append(found)

@@ -8,15 +8,25 @@ from typing import Any
 
 import pandas as pd
 
+from palpate.base.rounding import interval_of, percent, rounded
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
-from palpate.output.figures import curves, residuals
+from palpate.output.figures import curve_panels, curves, residuals
 from palpate.output.html_report import paragraph, table
 from palpate.output.results.answer import Answer
 from palpate.output.results.diagnosis import quantity_in_words, titles_of
-from palpate.output.rounding import interval_of, percent, rounded
 
-WORDS = {"calibrate": "fitted", "validate": "held out"}
+WORDS = {"calibrate": "fitted", "validate": "held\u00a0out"}
+KINDS = {
+    "frame": "compliance of frame or mount",
+    "zero": "zero point",
+    "tip": "shape of the tip",
+    "size": "indentation size effect",
+    "layer": "film or skin",
+    "flow": "plastic flow",
+    "controller": "lag of the controller",
+    "load": "error of the load",
+}  # families of effects in words, where the key is not one
 MOST_PARTS = 12  # rows of the table of misfits
 Picture = Callable[[str], str]  # a figure by its name, with its caption, or nothing
 EXACT = {
@@ -50,7 +60,7 @@ def sections(found: Answer, picture: Picture) -> list[tuple[str, list[str]]]:
         every.append(("Where the base model fails", _fails(found, picture)))
         every.append(("Explanations", _explanations(found, picture)))
         every.append(("Identifiability", _identifiability(found)))
-        every.append(("What exact laws show", _exact(found.diagnosis.content)))
+        every.append(("What exact laws show", _exact(found)))
     every.append(("Calibration sets", _calibrations(found, picture)))
     return [(heading, pieces) for heading, pieces in every if pieces]
 
@@ -89,12 +99,12 @@ def _errors(found: Answer) -> str:
     """Return the errors of the conditions, with and without the effects."""
     left, rows = residuals.table(found.saved), []
     for name, part in left.groupby("condition", sort=False):
-        unit = curves.unit_of(part)
+        unit = curve_panels.unit_of(part)
         row = {"condition": found.saved.labels[str(name)], "role": WORDS[part["role"].iloc[0]]}
-        for key, words in (("base", "base model"), ("accepted", "accepted model")):
-            if (values := curves.response(part, key)) is not None:
+        for key, words in curve_panels.MODELS.items():
+            if (values := curve_panels.response(part, key)) is not None:
                 row[f"{words}, error"] = f"{rounded(float((values**2).mean() ** 0.5), 2)} {unit}"
-        if (band := curves.response(part, "band")) is not None:
+        if (band := curve_panels.response(part, "band")) is not None:
             row["noise and scatter"] = f"{rounded(float((band**2).mean() ** 0.5) / residuals.COVERED, 2)} {unit}"
         rows.append(row)
     return table(pd.DataFrame(rows), "Root mean square of recorded less simulated response")
@@ -171,9 +181,8 @@ def _identifiability(found: Answer) -> list[str]:
     if joint := content["joint_intervals"]:
         alone = {effect["name"]: interval_of(effect) for effect in found.effects}
         rows = (
-            {
-                "effect": quantity_in_words(name),
-                "unit": found.saved.quantity(name).unit,
+            _effect(found, name)
+            | {
                 "accepted model (95 %)": alone.get(name, "-"),
                 "if all effects act (95 %)": interval_of(entry),
                 "most correlated with": quantity_in_words(entry["correlated_with"]) if entry["correlated_with"] else "",
@@ -190,8 +199,7 @@ def _identifiability(found: Answer) -> list[str]:
         ]
     if undetected := content["undetected_effects"]:
         rows = (
-            {"effect": quantity_in_words(name), "unit": found.saved.quantity(name).unit}
-            | {"amplitude if added (95 %)": interval_of(entry)}
+            _effect(found, name) | {"amplitude if added (95 %)": interval_of(entry)}
             for name, entry in undetected.items()
         )
         pieces += [
@@ -206,39 +214,66 @@ def _identifiability(found: Answer) -> list[str]:
     return pieces
 
 
+def _effect(found: Answer, name: str) -> dict[str, str]:
+    """Return the cells that name an amplitude and its unit."""
+    return {"effect": quantity_in_words(name), "unit": found.saved.quantity(name).unit}
+
+
 def _inclusion(found: Answer) -> list[str]:
     """Return how probable it is that each effect acts, and what one that does not show may change."""
     assert found.diagnosis
-    pieces = []
+    pieces: list[str] = []
     if inclusion := found.diagnosis.inclusion:
         rows = ({"effect": MECHANISMS[key].title, "probability": percent(value)} for key, value in inclusion.items())
         caption = "Probability that an effect acts by more than the smallest effect, over all sets of effects"
         pieces.append(table(pd.DataFrame(rows), caption))
     if (further := found.diagnosis.nothing_further) and further.get("may_cover"):
         rows = (
-            {"kind of effect": key, "change [nm]": rounded(value, 2)} for key, value in further["may_cover"].items()
+            {"kind of effect": KINDS.get(key, key), "change [nm]": rounded(value, 2)}
+            for key, value in further["may_cover"].items()
         )
         caption = "Largest change of a curve by an effect of each kind that the recordings do not exclude at 95 %"
         pieces.append(table(pd.DataFrame(rows), caption))
-    return pieces
+    return ['<div class="pair">', *pieces, "</div>"] if pieces else []
 
 
-def _joined(value: Any) -> Any:
-    """Return a list as text, mechanisms by their titles."""
-    return (
-        ", ".join(MECHANISMS[each].title if each in MECHANISMS else each for each in value)
-        if isinstance(value, list)
-        else value
-    )
-
-
-def _exact(content: Mapping[str, Any]) -> list[str]:
+def _exact(found: Answer) -> list[str]:
+    assert found.diagnosis
     pieces = []
     for key, (heading, text) in EXACT.items():
-        if rows := content[key]:
-            flat = [{name: _joined(value) for name, value in row.items()} for row in rows]
-            pieces += [f"<h3>{heading}</h3>", paragraph(text), table(pd.DataFrame(flat))]
+        if rows := found.diagnosis.content[key]:
+            shown = pd.DataFrame([_without_codes(row, found.saved.labels) for row in rows])
+            pieces += [f"<h3>{heading}</h3>", paragraph(text), table(shown)]
     return pieces
+
+
+def _without_codes(row: Mapping[str, Any], labels: Mapping[str, str]) -> dict[str, Any]:
+    """Return a row with estimate and interval in one column, and titles of mechanisms and tests in place of keys."""
+    shown: dict[str, Any] = {}
+    for name, value in row.items():
+        if name == "estimate" and {"lower", "upper"} <= row.keys():
+            shown["estimate (95 %)"] = _open_interval(row)
+        elif isinstance(value, list):
+            shown[name] = ", ".join(MECHANISMS[each].title if each in MECHANISMS else each for each in value) or "none"
+        elif isinstance(value, str):
+            for code, label in labels.items():
+                value = value.replace(code, label)
+            shown[name] = value
+        elif name not in ("lower", "upper"):
+            shown[name] = value
+    return shown
+
+
+def _open_interval(row: Mapping[str, Any]) -> str:
+    """Return an estimate with its interval, of which an end may be unknown."""
+    if None not in (row["estimate"], row["lower"], row["upper"]):
+        return interval_of(row)
+    ends = [
+        f"{words} {rounded(row[key])}"
+        for key, words in (("lower", "at least"), ("upper", "at most"))
+        if row[key] is not None
+    ]
+    return ", ".join(([rounded(row["estimate"])] if row["estimate"] is not None else []) + ends)
 
 
 def _calibrations(found: Answer, picture: Picture) -> list[str]:

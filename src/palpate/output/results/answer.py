@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
+from palpate.base.rounding import interval_with_unit, percent, rounded
 from palpate.inference.calibration_result import rmse
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis, effect_sentence, quantity_in_words
-from palpate.output.rounding import interval, interval_with_unit, percent, rounded
 from palpate.output.saved_set import SavedSet
 from palpate.study.indenter import Indenter
 
@@ -188,8 +188,8 @@ class Answer:
         return f"{before} without the effects, {rounded(found['after_nm'], 2)} nm with them; {noise}"
 
     def _discrepancy(self, found: Mapping[str, Any]) -> str:
-        share = interval(*(100.0 * found[key] for key in ("share", "lower", "upper")))
-        text = f"{share} % of the depth"
+        share, lower, upper = (100.0 * found[key] for key in ("share", "lower", "upper"))
+        text = interval_with_unit({"estimate": share, "lower": lower, "upper": upper, "unit": "% of the depth"})
         if (kind := found.get("class")) and kind not in ("none", "undetermined"):
             text += f", of the class {kind}"
         if parts := found.get("parts"):

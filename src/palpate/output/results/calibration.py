@@ -12,11 +12,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.base.parameters import in_words
+from palpate.base.rounding import interval_of, rounded
 from palpate.configuration.study_file import Study
 from palpate.inference.calibration_result import MOST_MISFIT
 from palpate.observables import OBSERVABLES, UNITS
 from palpate.output.figures import curves as curves_figure
-from palpate.output.rounding import interval_of, rounded
+from palpate.output.figures.curve_panels import of_fit
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 from palpate.recordings.recording import Recording
@@ -178,7 +179,7 @@ class Calibration(Shown):
         Axes or ndarray of Axes, shape (n,)
             `ax`, or the axes of the figure.
         """
-        frame = curves_figure.of_fit(self.curves)
+        frame = of_fit(self.curves)
         if ax is not None:
             curves_figure.together(axes_for(ax), frame)
             return ax

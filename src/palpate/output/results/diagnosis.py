@@ -12,11 +12,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.base.parameters import in_words
+from palpate.base.rounding import interval_of, interval_with_unit, percent
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import MECHANISMS
 from palpate.output.figures import evidence, residuals
 from palpate.output.results.calibration import Calibration
-from palpate.output.rounding import interval_of, interval_with_unit, percent
 from palpate.output.saved_set import SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 

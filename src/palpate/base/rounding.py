@@ -50,7 +50,9 @@ def _place(value: float, digits: int) -> int:
 
 
 def _to_place(value: float, place: int) -> str:
-    """Return a value rounded to so many decimals; zero has no sign."""
+    """Return a value rounded to so many decimals; zero itself has no sign and no decimals."""
+    if value == 0.0:
+        return "0"
     return f"{round(value, place) + 0.0:.{max(place, 0)}f}"
 
 

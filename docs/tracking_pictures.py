@@ -1,0 +1,118 @@
+"""Make the pictures of ``docs/tracking.md``: ``python docs/tracking_pictures.py FOLDER``, an empty folder.
+
+A small study, ``docs/data/comparison.yaml``, is run with two kernels on the same two sets of recordings; then Chromium
+opens what ``palpate ui`` links to. This needs ``pip install -e '.[browser]'`` and Chromium.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import yaml
+
+HERE = Path(__file__).parent
+STUDY = HERE / "data/comparison.yaml"
+VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}]
+PARAMETERS, METRICS = ("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm")
+PORT = 5177
+STARTS = 300  # s that MLflow may take to answer
+PATIENCE = 240_000  # ms, for a page
+DRAWN = 4000  # ms, for what is drawn after it was loaded
+WIDTH = 1500  # pixels
+
+
+def run_all() -> None:
+    """Write the recordings, and run each variation of the study on them in the present folder."""
+    from palpate.configuration.study_file import study_from
+    from palpate.laboratory import virtual
+
+    content = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
+    study = study_from(content, STUDY.name)
+    for name, folder in study.recordings.items():
+        virtual.write(study, name, folder)
+    del content["laboratory"]
+    for variation in VARIATIONS:
+        Path("comparison.yaml").write_text(yaml.safe_dump(content | variation), encoding="utf-8")
+        subprocess.run([sys.executable, "-m", "palpate.cli.main", "run", "comparison.yaml", "--cores", "1"], check=True)
+
+
+def pictures(server: str) -> None:
+    """Take the pictures."""
+    from playwright.sync_api import sync_playwright
+
+    from palpate.workflow_support import saved_view
+    from palpate.workflow_support.tracking import connected, experiments
+
+    experiment = experiments(Path("results"))["comparison"]
+    sets = connected(Path("results")).search_runs([experiment], "tags.kind = 'recordings'")
+    of, chosen = quote(json.dumps([experiment])), quote(json.dumps([run.info.run_id for run in sets]))
+    chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
+
+        def opened(address: str, text: str, height: int) -> Any:
+            page = browser.new_page(viewport={"width": WIDTH, "height": height})
+            page.set_default_timeout(PATIENCE)
+            page.goto(address)
+            page.get_by_text(text).first.wait_for()
+            page.get_by_role(
+                "button", name="Close", exact=True
+            ).click()  # the assistant, which takes a third of the page
+            page.get_by_role("button", name="Toggle sidebar").click()
+            page.wait_for_timeout(DRAWN)
+            return page
+
+        def taken(page: Any, name: str) -> None:
+            page.wait_for_timeout(DRAWN)
+            page.screenshot(path=str(HERE / f"images/{name}.png"))
+            page.close()
+
+        taken(opened(saved_view.link(server, experiment), "held_out_nm", 620), "tracking_sets")
+        page = opened(saved_view.link(server, experiment, saved_view.EXPLANATIONS_ID), "log_evidence", 700)
+        taken(page, "tracking_explanations")
+        page = opened(f"{server}/#/compare-runs?runs={chosen}&experiments={of}", "Parallel Coordinates Plot", 640)
+        page.get_by_role("button", name="Clear All").click()
+        for box, names in zip(page.get_by_role("combobox").all(), (PARAMETERS, METRICS), strict=True):
+            for name in names:
+                box.click()
+                box.fill(name)
+                page.wait_for_timeout(DRAWN // 4)
+                page.keyboard.press("Enter")
+            page.keyboard.press("Escape")
+        taken(page, "tracking_parallel")
+        browser.close()
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the study where it was not, start MLflow, and take the pictures."""
+    os.chdir(words[0])
+    if not Path("results/comparison/report.html").is_file():
+        run_all()
+    command = [sys.executable, "-m", "palpate.cli.main", "ui", "--port", str(PORT)]
+    server = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
+    try:
+        for _ in range(STARTS):
+            try:
+                urllib.request.urlopen(f"http://127.0.0.1:{PORT}/health", timeout=5)
+                break
+            except OSError:
+                time.sleep(1)
+        pictures(f"http://127.0.0.1:{PORT}")
+    finally:
+        os.killpg(server.pid, 15)
+        server.wait()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
