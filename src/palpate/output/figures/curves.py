@@ -72,11 +72,9 @@ def together(axis: Axes, frame: pd.DataFrame) -> None:
             if (values := response(curve, key)) is not None:
                 label = str(curve["condition"].iloc[0]) if key == "base" else None
                 axis.plot(*drawn_as(curve, values), style, color=colour, ms=2.5, mfc="none", mew=0.6, label=label)
-    axis.set_xlabel(
-        " or ".join(
-            sorted({each.label if each.drawn_over == "load" else "time [s]" for each in map(observed_in, parts)})
-        )
-    )
+    kinds = map(observed_in, parts)
+    across = {each.label if each.drawn_over == "load" else "time [s]" for each in kinds}
+    axis.set_xlabel(" or ".join(sorted(across)))
     axis.set_ylabel("load [mN]")
     axis.set_title("points: recorded; lines: finite elements")
     axis.legend()
