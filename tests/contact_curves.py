@@ -2,7 +2,7 @@
 
 Nothing of the contact finder is used here: a curve is a tip's law (Hertz, Sneddon, flat punch, a sphere that passes
 into a cone), seen through a cantilever or under load control, on a baseline with offset, tilt, wave, drift and start
-transient, with noise that is white or correlated. `python tests/contact_curves.py evaluation 480` reports how many of
+transient, with noise that is white or correlated. `python tests/contact_curves.py evaluation 400` reports how many of
 as many 95 % intervals hold the contact; the evaluation's seed is for that report alone and was fixed before its first
 run, what was developed used the other one.
 """

@@ -52,11 +52,12 @@ class Departure:
     def mended(self, contact: float, lower: float, upper: float) -> tuple[float, float, float]:
         """Return a contact and its interval [nm]: these, or others where the load in air contradicts them.
 
-        It does where contact lies beyond air, or the whole interval long before the load leaves the air.
+        It does where contact lies beyond air, or the whole interval long before the load leaves the air. The interval
+        then holds both.
         """
         farthest = self.clear - LONG * (self.clear - self.earliest)
         if contact > self.loaded or upper < farthest:
-            return self.likely, min(farthest, self.likely), self.loaded
+            return self.likely, min(farthest, self.likely, lower), max(self.loaded, upper)
         return contact, lower, upper
 
 
