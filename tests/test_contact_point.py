@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from contact_curves import autoregressive
+from scipy.ndimage import median_filter
 from test_readers import KLA, XP, needs_recordings
 
 from palpate.errors import InputError
-from palpate.recordings.contact_point import first_touch, touch_at
+from palpate.recordings.contact_point import first_touch, loading, touch_at
 from palpate.recordings.readers import read_vendor_file
 from palpate.recordings.readers.zero import zeroed
 from palpate.recordings.sharp_origin import sharp_origin
@@ -189,6 +190,34 @@ def test_vendor_s_contact_is_found_again():
     for test in read_vendor_file(XP, contact="none"):
         r = test.recording
         assert first_touch(r.time, r.load, r.depth).depth == pytest.approx(0.0, abs=10.0), test.name
+
+
+@needs_recordings
+@pytest.mark.parametrize("name", ["S-1 X-1 Y-2", "X-3 Y-5", "X-1 Y-1", "X-10 Y-10", "X-5 Y-1", "X-9 Y-1"])
+def test_contact_of_gels_lies_where_it_is_drawn_by_eye(name):
+    """Where the load was last within twice its noise about a line in air, to where it has risen by 3 %."""
+    (file,) = (KLA.parents[1] / "ritchie_gels").glob(f"*{name} I-1.txt")
+    r = read_vendor_file(file, contact="none")[0].recording
+    first, last = loading(r.load, r.depth)
+    load, depth = median_filter(r.load, 5)[first : last + 1], r.depth[first : last + 1]
+    air = (depth < -1000.0) & (depth > 0.85 * depth[0])
+    excess = load - np.polyval(np.polyfit(depth[air], load[air], 1), depth)
+    risen = int(np.argmax((excess > 0.03 * excess[-1]) & (depth > -1000.0)))
+    still = np.flatnonzero(excess[:risen] < 2 * np.std(excess[air]))[-1]
+    point = first_touch(r.time, r.load, r.depth)
+    assert point.lower <= depth[risen]
+    assert point.upper >= depth[still]
+
+
+@needs_recordings
+def test_replicates_of_a_soft_solid_are_touched_alike():
+    """Its load rises by a kink at about -40 nm; test 13 met dirt."""
+    pytest.importorskip("h5py")
+    tests = read_vendor_file(KLA.parents[1] / "micromechanics/N1_1.hdf5", contact="none")
+    for r in (test.recording for test in tests):
+        point = first_touch(r.time, r.load, r.depth)
+        assert abs(point.depth + 40.0) < 250.0, r.name
+        assert point.lower <= 0.0 <= point.upper, r.name
 
 
 @needs_recordings

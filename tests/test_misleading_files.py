@@ -16,13 +16,9 @@ CASES = Path(__file__).parents[2] / "shared/cases/files"
 NUMBERED = ColumnMap({"time": "1", "load": "2", "depth": "3"})
 TESTXPERT = ColumnMap({"time": "Temps d'essai", "load": "Force standard", "depth": "Allongement"})
 
-# A search that learns its baseline in the air reads these right, and others wrong that this one reads right.
-CONTACT = pytest.mark.xfail(reason="the contact search does not know these kinds yet", strict=False)
-
 pytestmark = pytest.mark.skipif(not CASES.is_dir(), reason="no folder ../shared/cases beside the repository")
 
 
-@CONTACT
 @pytest.mark.parametrize(
     ("file", "columns", "load", "depth"),
     [
@@ -39,7 +35,6 @@ def test_contact_needs_air_before_it_and_air_may_curve(file, columns, load, dept
     assert depth[0] < test.recording.depth.max() < depth[1]
 
 
-@CONTACT
 def test_contact_lies_before_a_soft_layer():
     (test,) = read_vendor_file(CASES / "contact_after_soft_layer/tissue.txt", columns=NUMBERED)
     assert 10.0e6 < test.recording.depth.max() < 11.6e6, "13 mm less 2.4 to 3 mm, or where the layer first shows"

@@ -2,7 +2,8 @@ r"""Where the indenter first touches, found in a recording with its approach.
 
 That is not where the law of a sharp tip begins (`palpate.recordings.sharp_origin`): a blunt tip touches later, and dirt
 or a film is touched long before the body beneath it. Baseline, law of contact and noise are fitted together
-(`palpate.recordings.contact_search`).
+(`palpate.recordings.contact_search`); what the load does in air alone bounds the result
+(`palpate.recordings.departure`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from palpate.base.channel_noise import long_run_noise, noise_of
 from palpate.errors import InputError
 from palpate.recordings.baseline import FOR_CURVE, FOR_OFFSET
 from palpate.recordings.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
+from palpate.recordings.departure import departure
 
 LOADED = 0.1  # of the rise of the load, that the tip has reached at least where a way in counts
 TOUCHED, LEAST_CYCLE = 30.0, 1e-3  # standard deviations of the load, and part of its range and depth's, of a cycle
@@ -66,7 +68,8 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
 
     The interval covers what is not known of baseline, law and noise (`palpate.recordings.contact_evidence`), on either
     side the error of all laws or one standard deviation of the depth's noise, and an earlier touch than the law's. It
-    reaches a step from one recorded point to the next at least.
+    reaches a step from one recorded point to the next at least. Where the load in air contradicts the law's contact,
+    that is bounded by the air instead (`palpate.recordings.departure`).
 
     Parameters
     ----------
@@ -108,6 +111,9 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
             break
     contact, lower, upper = (path[0] + way * share for share in (found.contact, found.lower, found.upper))
     contact, lower = _before(contact, lower, instants, force, path)
+    left = departure(force, path)
+    if left and upper > path[0]:
+        contact, lower, upper = left.mended(contact, lower, upper)
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
@@ -159,20 +165,6 @@ def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
         return float(depth[0])
     _, contact, _ = coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way, approach=True)
     return float(depth[0] + way * contact)
-
-
-def rough_contact(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
-    """Return the depth [nm] where a law on a straight baseline begins that fits the loading best, in milliseconds.
-
-    Parameters
-    ----------
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm].
-    """
-    first, last = loading(load, depth)
-    if last + 1 - first < FEWEST:
-        return float(depth[0])
-    return _rough(*_without_far_air(*(channel[first : last + 1] for channel in (time, load, depth))))
 
 
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:

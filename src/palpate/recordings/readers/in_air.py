@@ -9,11 +9,11 @@ from scipy.ndimage import median_filter
 
 from palpate.base.channel_noise import noise_of, noises_of
 from palpate.errors import InputError
-from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, rough_contact
+from palpate.recordings.contact_point import CLEAR, ContactPoint, first_touch, loading
+from palpate.recordings.departure import departure
 from palpate.recordings.recording import BARELY_LOADED, Recording
 
 SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is reported
-LEVEL = 0.01  # of the load's range, chosen: what the load in air may depart from its baseline by
 PRESSED = 0.05  # of the largest load: what is above is no air
 FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
 NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
@@ -26,12 +26,12 @@ def air_before(recording: Recording) -> ContactPoint | None:
     """Return the contact of a recording that begins in air; None where it does not begin there.
 
     It does where the whole 95 % interval of the contact lies deeper than its first point by more than a share of the
-    test's depth, or where the tip retreats by as much before it touches. The search is made only where a coarse fit, or
-    a load that stays in its noise, gives reason to.
+    test's depth, or where the tip retreats by as much before it touches. The search is made only where a load that
+    stays in its noise, or leaves the air late, gives reason to.
     """
     if (
         resting(recording.load, recording.depth) <= SHARE
-        and rough_share(recording) <= SHARE
+        and share_before_departure(recording) <= SHARE
         and not _retreats(recording)
     ):
         return None
@@ -41,20 +41,13 @@ def air_before(recording: Recording) -> ContactPoint | None:
         return None
     far = SHARE * (float(recording.depth.max()) - point.depth)
     retreated = retreat_before(recording, point) > max(far, CLEAR * noise_of(recording.depth))
-    deeper = point.lower > recording.depth[0] + far and _level(recording, point)
+    deeper = point.lower > recording.depth[0] + far
     return point if retreated or deeper else None
 
 
 def seems_in_air(r: Recording) -> bool:
-    """Return whether the tip retreats at first, or both a coarse fit and a load in its noise show air."""
-    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and rough_share(r) > SHARE)
-
-
-def _level(r: Recording, point: ContactPoint) -> bool:
-    """Return whether the load before contact departs from its baseline by no more than noise, or hardly."""
-    air = slice(0, max(int(np.argmax(r.depth > point.lower)), 1))
-    rest = r.load[air] - np.interp(r.time[air], point.baseline_time, point.baseline_load)
-    return bool(np.median(np.abs(rest)) <= max(CLEAR * noise_of(r.load), LEVEL * float(np.ptp(r.load))))
+    """Return whether the tip retreats at first, or a load shows air that stays in its noise and leaves the air late."""
+    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and share_before_departure(r) > SHARE)
 
 
 def retreat_before(recording: Recording, point: ContactPoint) -> float:
@@ -83,9 +76,11 @@ def resting(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
     return np.where(left < FIRST, 0.0, grown / np.maximum(np.ptp(depth, axis=-1), 1e-300))
 
 
-def rough_share(r: Recording) -> float:
-    """Return by which share of its largest the depth grows before a law on a straight baseline begins."""
-    return (rough_contact(r.time, r.load, r.depth) - float(r.depth[0])) / max(float(np.ptp(r.depth)), 1e-300)
+def share_before_departure(r: Recording) -> float:
+    """Return by which share of its largest the depth grows before the load stands clear of what it does in air."""
+    first, last = loading(r.load, r.depth)
+    found = departure(r.load[first : last + 1], r.depth[first : last + 1])
+    return (found.clear - float(r.depth[0])) / max(float(np.ptp(r.depth)), 1e-300) if found else 0.0
 
 
 def _retreats(r: Recording) -> bool:
