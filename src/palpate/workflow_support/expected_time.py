@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.candidates import candidates
 from palpate.data.study_recordings import files_of
+from palpate.diagnosis.candidates import candidates
 from palpate.solver.store import conditions_by_shape
 
 CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.05  # s of processor time of one curve of 100 points
