@@ -19,11 +19,6 @@ a length of its own, a sphere or a film, loses that memory with the logarithm of
 and meshes breach the scaling a little, each test keeps a part of its own, `own` of the variance: with a correlation of
 exactly one each breach by a thousandth would be named. Replicates share x wholly.
 
-A small part of x, `ROUGH` of the variance, forgets `ROUGHER` times as fast. Contact passes from node to node, so curves
-of finite elements ripple (`standard` and `fine` by up to 0.007 % of the depth), and what a law lacks changes fast where
-a body is unloaded to the end. A process that is smooth throughout follows such details with an amplitude far above what
-the law lacks, and then hides effects and finds others.
-
 Neither number is known. A quadrature over `SHARES` and `OWN` integrates over both, with a prior that is the same for
 all explanations compared.
 """
@@ -43,11 +38,10 @@ from palpate.study.protocol import Protocol
 LAW_ERROR = 0.0025  # share of the depth, median of the prior; see docs/inference.md for the wrong laws that it rests on
 TIMES = 0.8  # a, of the logarithm of time: fits of linear solids to power, logarithmic and stretched creep leave this
 HISTORIES = 0.25  # b, of the root of the normalised load: the same
-ROUGH = 0.1  # of the variance
-ROUGHER = 6.0  # times shorter are the lengths of that part
+ROUGHER = 6.0  # times shorter than those of the law's discrepancy are the lengths of a mesh's ripple
 LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
 AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
-DROPPED = 1e-3  # of the variance of x, below which columns are left out
+DROPPED = 1e-4  # of the variance of x, below which columns are left out
 PRIOR_SCALE = 0.68  # of the logistic density of ln(share): 95 % lie within a factor of twelve of the median
 SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
 OWN = np.array([0.01, 0.03, 0.1, 0.3, 0.9])  # nodes of the quadrature over `own`
@@ -154,8 +148,13 @@ def _correlated(protocols: tuple[Protocol, ...], sharp: bool) -> tuple[np.ndarra
     """Return factors (n, m) and (n, m') of the correlation of x, and of that within each test alone."""
     of_tests = [features(protocol, sharp) for protocol in protocols]
     alone = block_diag(*(correlation_factor(kernel(each)) for each in of_tests))
-    smooth = kernel(np.vstack(of_tests))
-    return correlation_factor((1.0 - ROUGH) * smooth + ROUGH * smooth ** (ROUGHER**2)), alone
+    return correlation_factor(kernel(np.vstack(of_tests))), alone
+
+
+@lru_cache(maxsize=32)
+def ripple(protocols: tuple[Protocol, ...], sharp: bool) -> np.ndarray:
+    """Return the correlation (n, n) of what a mesh makes rough, by `features` that are `ROUGHER` times as short."""
+    return kernel(ROUGHER * np.vstack([features(protocol, sharp) for protocol in protocols]))
 
 
 def features(protocol: Protocol, sharp: bool) -> np.ndarray:
