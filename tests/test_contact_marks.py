@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from contact_curves import draw
+from contact_curves import RARE, draw
 from contact_marks import judged
 
 SHIFTED = 0.3  # of the depth, a mark that is wrong beyond doubt
@@ -20,7 +20,7 @@ def _plain(count):
     while len(found) < count:
         curve = draw(rng)
         words = curve.kind.split()
-        if not {"wave", "transient", "tilt", "drift"} & {*words} and words[words.index("memory") + 1] == "0":
+        if not {"wave", "transient", "tilt", "drift", *RARE} & {*words} and words[words.index("memory") + 1] == "0":
             found.append(curve)
     return found
 
