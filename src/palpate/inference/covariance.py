@@ -9,11 +9,9 @@ refinement of the mesh changed. Apart from the common factor, the next two refin
 0.99), and 0.28 times where a body yields (0.6): `REFINED` times the change, common to all conditions, and half of that
 in each alone.
 
-Contact passes from node to node, time from step to step, and so a curve is rough: curves of another finite-element
-code differ within a test by 0.02 to 0.056 % of the depth, in details that are far shorter than a segment. So rough is
-the mesh's error by `RIPPLE`, 0.03 % of the depth by default. Without that part the discrepancy of the law, which is
-smooth, follows such details with an amplitude far above what the law lacks where noise is low: 0.4 % of the depth
-instead of 0.05 on a null set of that code's curves, whose log evidence rises by 23 with it.
+A curve is rough, too: those of another finite-element code differ within a test by 0.02 to 0.056 % of the depth, in
+details far shorter than a segment. `RIPPLE` of the mesh's error is that part, 0.03 % of the depth by default. Without it
+the discrepancy of the law, which is smooth, follows such details with an amplitude far above what the law lacks.
 
 What the law itself leaves has a covariance of its own, see `palpate.inference.discrepancy`.
 
