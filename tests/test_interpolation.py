@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from palpate.base.interpolation import smooth_between
+from palpate.base.interpolation import depth_at, smooth_between
 
 TIME = np.linspace(0.1, 10.0, 100)
 CORNER = TIME[49]
@@ -31,3 +31,11 @@ def test_where_corners_lie_close_together_lines_are_straight():
     values = np.array([[1.0], [3.0], [2.0], [2.5]])
     found = smooth_between(knots, TIME, knots, values)
     assert found[:, 0] == pytest.approx(np.interp(TIME, knots, values[:, 0]))
+
+
+def test_a_point_at_the_start_does_not_bend_the_curve():
+    """Clocks that were brought to the same start leave points within rounding of it."""
+    time = np.append(1e-11, np.linspace(0.0, 10.0, 31)[1:])
+    moments = np.array([0.05, 0.2, 0.3])
+    found = depth_at(moments, time, 300.0 * np.sqrt(time), np.array([0.0, 10.0]), np.array([0.0, 2.0]))
+    assert found == pytest.approx(300.0 * np.sqrt(moments), rel=2e-3)

@@ -61,7 +61,7 @@ def depth_at(
     corners, drive : ndarray, shape (c,)
         Corners of the history [s], and what drives the test there, the load or the displacement.
     """
-    after = time > 0.0
+    after = time > SAME * corners[-1]  # a point that coincides with the start would make the curve level there
     points, values = np.append(0.0, time[after]), np.append(0.0, depth[after])
     asked, known, ends = (_way_of_root(each, corners, drive) for each in (moments, points, corners))
     found = smooth_between(ends, asked, known, values[:, None])[:, 0]
