@@ -10,8 +10,8 @@ refinement of the mesh changed. Apart from the common factor, the next two refin
 in each alone.
 
 A curve is rough, too: those of another finite-element code differ within a test by 0.02 to 0.056 % of the depth, in
-details far shorter than a segment. `RIPPLE` of the mesh's error is that part, 0.03 % of the depth by default. Without it
-the discrepancy of the law, which is smooth, follows such details with an amplitude far above what the law lacks.
+details far shorter than a segment. `RIPPLE` of the mesh's error is that part, 0.03 % of the depth by default. Without
+it the discrepancy of the law, which is smooth, follows such details with an amplitude far above what the law lacks.
 
 What the law itself leaves has a covariance of its own, see `palpate.inference.discrepancy`.
 
