@@ -114,7 +114,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
         ),
         ("diagnoses within 60 s of a core", quick.sum(), len(table)),
     ]
-    return pd.DataFrame([_proportion(*entry) for entry in found])
+    rows = [proportion(*entry) for entry in found]
+    return pd.DataFrame([row | {"target": _target(str(row["figure"]))} for row in rows])
 
 
 def brier(table: pd.DataFrame) -> float:
@@ -123,13 +124,18 @@ def brier(table: pd.DataFrame) -> float:
     return float(np.mean((answered["top_probability"] - answered["top_right"]) ** 2)) if len(answered) else np.nan
 
 
-def _proportion(name: str, count: float, of: float) -> dict[str, Any]:
+def proportion(name: str, count: float, of: float) -> dict[str, Any]:
+    """Return a figure with its count, of how many, and its share with Wilson's 95 % interval."""
     entry: dict[str, Any] = {"figure": name, "count": int(count), "of": int(of)}
     if of:
         interval = binomtest(int(count), int(of)).proportion_ci(method="wilson")
         entry |= {"share": count / of, "lower": interval.low, "upper": interval.high}
+    return entry
+
+
+def _target(name: str) -> str:
     words, bound = TARGETS.get(name, ("", ""))
-    return entry | {"target": f"{words} {bound}".strip()}
+    return f"{words} {bound}".strip()
 
 
 def reliability(table: pd.DataFrame) -> pd.DataFrame:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
 from palpate.mechanisms import MECHANISMS
 from studies.blind_trial.cases import Case
+from studies.blind_trial.score import proportion
 from studies.blind_trial.score import row as of_trial
 
 LAWS = {"second_voigt", "plastic_yield", "friction"}  # they may stand in for a law that is not quite right
@@ -62,7 +62,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
         ("the discrepancy's interval meets what is known", covers.sum(), len(table)),
         ("diagnoses within 60 s of a core", (table["cpu_seconds"] <= 60.0).sum(), len(table)),
     ]
-    return pd.DataFrame([_proportion(*each) for each in rows])
+    return pd.DataFrame([proportion(*each) for each in rows])
 
 
 def by_body(table: pd.DataFrame) -> pd.DataFrame:
@@ -70,11 +70,3 @@ def by_body(table: pd.DataFrame) -> pd.DataFrame:
     columns = ["claims", "wrong_name", "exact", "among_two", "amplitudes_held", "amplitudes"]
     found = table.groupby(["body", "kind"])[[*columns, "every_material", "of_material"]].sum()
     return found.assign(sets=table.groupby(["body", "kind"]).size())
-
-
-def _proportion(name: str, count: float, of: float) -> dict[str, Any]:
-    found: dict[str, Any] = {"figure": name, "count": int(count), "of": int(of)}
-    if of:
-        interval = binomtest(int(count), int(of)).proportion_ci(method="wilson")
-        found |= {"share": count / of, "lower": interval.low, "upper": interval.high}
-    return found

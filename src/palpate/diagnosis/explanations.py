@@ -82,23 +82,22 @@ class Explanations:
             if other in members or found in self.fitted or found in self.estimated or not may_act_together(found):
                 continue
             if all(each in self.fitted or each in self.estimated for each in alone):
-                here, there = map(self._likeliest, alone)
-                gain = self._evidence(members) + here - there
-                if (
-                    found not in self.exchanged
-                    or gain > self._evidence(self.exchanged[found][0]) + self.exchanged[found][1]
-                ):
-                    self.exchanged[found] = members, here - there
+                here, there = map(self._log_evidence, alone)
+                trial = members, here - there
+                if found not in self.exchanged or self._exchanged(*trial) > self._exchanged(*self.exchanged[found]):
+                    self.exchanged[found] = trial
 
     def is_exchanged(self, members: Members) -> bool:
         """Return whether nothing better is known of a set than of another one with an exchanged mechanism."""
         return members in self.exchanged and members not in self.fitted and members not in self.estimated
 
-    def _likeliest(self, members: Members) -> float:
-        """Return the log evidence of a set that was fitted or estimated from a smaller one."""
+    def _log_evidence(self, members: Members) -> float:
+        """Return the log evidence of a set: of its fit, from a smaller one, or of another one with an exchange."""
         if members in self.fitted:
             return self._evidence(members)
-        return self._estimate(members, *self.estimated[members])
+        if members in self.estimated:
+            return self._estimate(members, *self.estimated[members])
+        return self._exchanged(*self.exchanged[members])
 
     def finish(self, members: Members, candidate: Candidate) -> None:
         """Put the end of a fit on finer meshes in its place."""
@@ -126,15 +125,13 @@ class Explanations:
     def _estimate(self, members: Members, smaller: Members, gain: float) -> float:
         return self._evidence(smaller) + gain + self._change(members) - self._change(smaller)
 
+    def _exchanged(self, of: Members, more: float) -> float:
+        return self._evidence(of) + more
+
     def log_weight(self, members: Members) -> float:
         """Return the logarithm of evidence times prior of a set."""
-        if members in self.fitted and self.fitted[members].contradicts:
-            found = -np.inf
-        elif members in self.fitted or members in self.estimated:
-            found = self._likeliest(members)
-        else:
-            of, more = self.exchanged[members]
-            found = self._evidence(of) + more
+        contradicted = members in self.fitted and self.fitted[members].contradicts
+        found = -np.inf if contradicted else self._log_evidence(members)
         return found + log_prior(len(members), self.considered)
 
     def probabilities(self) -> dict[Members, float]:

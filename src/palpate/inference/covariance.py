@@ -33,7 +33,7 @@ from palpate.data.contrasts import Replicates, contrasts, without_trend
 from palpate.data.noise import NoiseModel
 from palpate.data.noise_fit import fit_noise
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.discrepancy import Discrepancy, ripple
+from palpate.inference.discrepancy import Discrepancy, largest_depths, ripple
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.models.forward import Forward
@@ -279,9 +279,7 @@ def errors(
 
 def rough_covariance(problem: Problem, depth: np.ndarray, solver_error: float) -> np.ndarray:
     """Return the covariance (n_all, n_all) of the ripple of curves `depth` (n_all,) on a mesh [nm^2]."""
-    curves = problem.split(depth).items()
-    largest = [problem.shares.get(name, 1.0) * np.maximum.accumulate(np.abs(curve)) for name, curve in curves]
-    deviation = RIPPLE * solver_error * np.concatenate(largest)
+    deviation = RIPPLE * solver_error * largest_depths(problem.split(depth), problem.shares)
     correlation = ripple(tuple(condition.protocol for condition in problem.conditions), problem.sharp)
     return correlation * np.outer(deviation, deviation)
 

@@ -101,7 +101,7 @@ class Discrepancy:
             `palpate.observables.observable`; one where not given.
         """
         common, alone = _correlated(tuple(protocols), sharp)
-        scale = np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])
+        scale = largest_depths(depths, shares)
         return cls(scale[:, None] * common, scale[:, None] * alone, scale, law_error)
 
     def sized(self, share: float, own: float) -> Discrepancy:
@@ -141,6 +141,11 @@ class Discrepancy:
     def deviations(self, own: float) -> np.ndarray:
         """Return the standard deviation (m + m',) of each column's coefficient at a share of one."""
         return np.sqrt(np.repeat([1.0 - own, own], [self.common.shape[1], self.alone.shape[1]]))
+
+
+def largest_depths(depths: Mapping[str, np.ndarray], shares: Mapping[str, float]) -> np.ndarray:
+    """Return the largest depth so far (n,) of tests [nm], times the relative change of their responses, see `of`."""
+    return np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])
 
 
 @lru_cache(maxsize=32)
