@@ -14,7 +14,7 @@ from palpate.data.noise_fit import fit_noise
 from palpate.data.observation import Observation
 from palpate.diagnosis.accepted import sufficient_to_identify
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import _compare_on_finer_meshes
+from palpate.diagnosis.diagnose import _complete
 from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.limits import outside
 from palpate.diagnosis.locate import Residuals
@@ -288,7 +288,7 @@ def test_a_set_whose_search_stopped_early_is_fitted_again_where_a_larger_one_end
         found.add(each)
     found.fitted = {m: c for m, c in found.fitted.items() if c is not search.base} | {frozenset(): search.base}
     found.fitted[frozenset(larger.fit.explanation)] = replace(larger, fit=replace(larger.fit, converged=True))
-    _compare_on_finer_meshes(search, found, lambda said: None)
+    _complete(search, found, lambda said: None)
     again = found.fitted[frozenset({"thermal_drift"})]
     assert again.fit.log_evidence == pytest.approx(drift.fit.log_evidence, abs=0.5)
 

@@ -7,7 +7,7 @@ from scipy.special import logsumexp
 
 from palpate.classical import ting
 from palpate.inference.calibrate import CalibrationSettings, base_fit
-from palpate.inference.discrepancy import OWN, SHARES, Discrepancy, Marginal, log_prior
+from palpate.inference.discrepancy import OWN, SIZES, Discrepancy, Marginal, Size, log_prior
 from palpate.inference.estimates import intervals, law_discrepancy
 from palpate.inference.problem import Problem
 from palpate.study.indenter import Indenter
@@ -25,9 +25,9 @@ def trials(*tests):
     return [trapezoid(load, rise, hold, rise, points=40) for load, rise, hold in tests]
 
 
-def discrepancy(protocols, sharp=True, law_error=0.0025, share=0.01, own=OWN[0]):
+def discrepancy(protocols, sharp=True, law_error=0.0025, share=0.01, own=OWN[0], kind="test"):
     depths = {str(k): depth(SOLID, protocol) for k, protocol in enumerate(protocols)}
-    return Discrepancy.of(protocols, sharp, depths, law_error, {}).sized(share, own)
+    return Discrepancy.of(protocols, sharp, depths, law_error, {}).sized(Size(share, own, kind))
 
 
 def correlations(first, second, sharp=True):
@@ -51,9 +51,20 @@ def test_times_that_are_nearly_equal_are_equal_and_others_share_it_in_part():
 def test_the_standard_deviation_is_a_share_of_the_largest_depth_so_far():
     protocols = trials((1.0, 30.0, 10.0), (4.0, 10.0, 0.0))
     largest = np.concatenate([np.maximum.accumulate(depth(SOLID, protocol)) for protocol in protocols])
-    for own in OWN:
-        found = np.diag(discrepancy(protocols, own=own).covariance)
+    for own, kind in [(own, kind) for own in OWN for kind in ("test", "length")]:
+        found = np.diag(discrepancy(protocols, own=own, kind=kind).covariance)
         assert np.sqrt(found) == pytest.approx(0.01 * largest, rel=1e-3)
+
+
+def test_a_breach_begins_where_the_load_turns_or_grows_with_the_clock():
+    (test,) = trials((1.0, 30.0, 10.0))
+    time = test.sample_time
+    turned, walked = (np.diag(discrepancy([test], own=0.9, kind=kind).covariance) for kind in ("reversal", "clock"))
+    smooth = np.diag(0.1 * discrepancy([test], own=0.0).covariance)
+    assert (turned - smooth)[time < 30.0] == pytest.approx(0.0, abs=1e-6)
+    late = (turned - smooth)[(time > 30.5) & (time < 40.0)]
+    assert np.all(np.diff(late) < 0.0)
+    assert np.all(np.diff(walked - smooth) > 0.0)
 
 
 def test_the_covariance_is_symmetric_and_has_no_negative_eigenvalue():
@@ -65,10 +76,9 @@ def test_the_covariance_is_symmetric_and_has_no_negative_eigenvalue():
 
 @pytest.mark.parametrize("law_error", [0.00125, 0.0025, 0.02])
 def test_the_prior_has_mass_one_and_the_stated_median(law_error):
-    shares, own = np.tile(SHARES, len(OWN)), np.repeat(OWN, len(SHARES))
-    weights = log_prior(shares, own, law_error)
+    weights = log_prior(law_error)
     assert logsumexp(weights) == pytest.approx(0.0, abs=1e-12)
-    below = np.exp(weights)[shares < law_error].sum()
+    below = np.exp(weights)[[size.share < law_error for size in SIZES]].sum()
     assert below == pytest.approx(0.5, abs=0.1)
 
 
@@ -78,8 +88,8 @@ def test_marginal_products_agree_with_the_dense_covariance():
     root = rng.standard_normal((count, count)) / np.sqrt(count) + np.eye(count)
     known, columns = root @ root.T, rng.standard_normal((count, 5))
     found = Marginal.of(cholesky(known, lower=True), law, columns)
-    for node in (0, 40, 100, len(found.shares) - 1):
-        dense = known + law.sized(found.shares[node], found.own[node]).covariance
+    for node in (0, 40, 300, 500, len(SIZES) - 1):
+        dense = known + law.sized(found.sizes[node]).covariance
         assert found.products[node] == pytest.approx(columns.T @ np.linalg.solve(dense, columns), rel=1e-6, abs=1e-6)
         assert found.half_log_det[node] == pytest.approx(0.5 * np.linalg.slogdet(dense)[1], rel=1e-6)
 
@@ -95,10 +105,11 @@ def test_what_the_best_parameters_leave_is_less_than_the_discrepancy():
     law = discrepancy(trials((1.0, 30.0, 10.0), (4.0, 10.0, 0.0)))
     tangent = law.scale[:, None] * np.random.default_rng(5).standard_normal((len(law.scale), 4))
     left = law.left_by_best(tangent)
-    shares = np.tile(SHARES, len(OWN))
-    assert np.all(left < shares)
+    smooth = [k for k, size in enumerate(SIZES) if size.kind in ("test", "length")]
+    shares = np.array([SIZES[k].share for k in smooth])
+    assert np.all(left[smooth] < shares)
     assert law.left_by_best(1e-9 * tangent) == pytest.approx(left)
-    assert np.all(left > 0.8 * shares)
+    assert np.all(left[smooth] > 0.8 * shares)
 
 
 def test_the_fast_closed_form_is_that_of_ting():

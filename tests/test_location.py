@@ -8,12 +8,13 @@ from test_diagnosis import fitted, problem, recordings
 
 from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.inference.covariance import discrepancy_of
+from palpate.inference.discrepancy import Size
 from palpate.study.prescribed_segments import by_cycle, cycles
 from palpate.study.protocol import Protocol, trapezoid
 
 
 def with_law(fit, share):
-    law = discrepancy_of(fit.problem, fit.curve, 0.0025).sized(share, 0.1)
+    law = discrepancy_of(fit.problem, fit.curve, 0.0025).sized(Size(share, 0.1))
     return replace(fit, errors=replace(fit.errors, law=law))
 
 
@@ -62,7 +63,7 @@ def test_what_a_tolerated_discrepancy_covers_is_less_certain(swung):
     assert of_the_hold(1e-4) < 0.1 * of_the_hold(0.05)
     cut = Residuals.of(with_law(swung, 0.05), 0.01)
     assert cut.fit.errors.law.share == 0.01
-    assert cut.fit.errors.law.own == 0.1
+    assert cut.fit.errors.law.size.own == 0.1
 
 
 def test_the_pattern_that_a_residual_follows_is_named(swung):

@@ -164,7 +164,6 @@ def explored(expected, proves=None, policy=POLICY, largest=2):
         joined=joined,
         log_evidence=lambda fit, key: expected.get(name(fit, key), -1e3),
         candidate=lambda fit: Candidate(fit, lambda fit: 0.5),
-        finished=lambda candidate: candidate,
         problem=SimpleNamespace(is_simulated=lambda key: key != "thermal_drift"),
     )
     found = Explanations(len(keys))

@@ -80,7 +80,7 @@ class Case:
     @property
     def conditions(self) -> tuple[Condition, ...]:
         """The tests."""
-        return tuple(_condition(number, *test) for number, test in enumerate(self.tests))
+        return tuple(condition(number, *test) for number, test in enumerate(self.tests))
 
 
 def draw(numbers: Iterable[int], seed: int, wrong: Sequence[str] = WRONG) -> list[Case]:
@@ -144,7 +144,8 @@ def best_burgers(
     return values, float(np.sqrt(np.mean(found.fun**2)))
 
 
-def _condition(number: int, load: float, loading: float, hold: float, unloading: float) -> Condition:
+def condition(number: int, load: float, loading: float, hold: float, unloading: float) -> Condition:
+    """Return a test: its load [mN], loading time [s], hold and unloading [loading times]."""
     points = round(SAMPLES * (1.0 + hold + unloading))
     return Condition(f"t{number}", "calibrate", trapezoid(load, loading, hold * loading, unloading * loading, points))
 
@@ -163,7 +164,7 @@ def _drawn(
         parameters = dict(zip(RANGES, (modulus, rate, *drawn), strict=True))
         return vars(burgers(**parameters)), parameters, 0.0, tests
     elements, wanted = _elements(family, rng), log_uniform(rng, *MISFIT)
-    elastic, conditions = (1.0 - POISSON_RATIO**2) / modulus, [_condition(k, *test) for k, test in enumerate(tests)]
+    elastic, conditions = (1.0 - POISSON_RATIO**2) / modulus, [condition(k, *test) for k, test in enumerate(tests)]
     creep, misfit = 0.5 * elastic, np.nan
     for _ in range(3):
         truth = Compliance(elastic, 0.5 * rate, tuple((creep * share, time) for share, time in elements))

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 from scipy.special import gamma, gammainc
 
-from palpate.inference.discrepancy import HISTORIES, TIMES, features, kernel
+from palpate.inference.law_structure import HISTORIES, TIMES, features, kernel
 from palpate.mechanisms.draws import log_uniform
 from palpate.study.protocol import Protocol, trapezoid
 from studies.coverage.creep import POISSON_RATIO, HasIntegral, burgers, depth

@@ -28,6 +28,7 @@ from palpate.data.noise import NoiseModel, largest_autocorrelation
 
 SMALLEST_SIGMA = 1e-5  # of the largest depth
 SMALLEST_VARIANCE = 1e-12
+CONVERGED = 1e-6  # relative change of the log likelihood, which then is within 0.02 of its maximum
 MARGIN = 30.0  # of the logarithm of a variance below where a search begins: none
 AT_BOUND = 1e-4  # within which rho lies at its bound, and to which logit rho is then known
 OFF_BOUNDARY = ("site", "random_walk")  # variances with a prior that keeps them off zero
@@ -153,7 +154,14 @@ class PenalisedLikelihood:
         lowest, highest = self.bounds
         within = list(zip(lowest, highest, strict=True))
         searches = [
-            minimize(self.objective, np.clip(x, lowest, highest), jac=True, method="L-BFGS-B", bounds=within)
+            minimize(
+                self.objective,
+                np.clip(x, lowest, highest),
+                jac=True,
+                method="L-BFGS-B",
+                bounds=within,
+                options={"ftol": CONVERGED},
+            )
             for x in starts
         ]
         found = min(searches, key=lambda search: search.fun)

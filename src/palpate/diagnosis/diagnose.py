@@ -81,10 +81,9 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
 
     Every set of mechanisms, up to the study's ``diagnosis.largest_set``, has an evidence to first order; the likeliest
     is fitted together with the material on the finite elements, and the sets that are larger by one mechanism are
-    estimated anew from there, until no set is left that is not negligible beside the likeliest. Fits that come close to
-    it are compared on finer meshes. The smallest group of sets that holds the probability `SearchPolicy.held` gives the
-    verdict. A set that contains another one of the group is no rival to it: what more may act is told by the
-    probability that nothing further does.
+    estimated anew from there, until no set is left that is not negligible beside the likeliest. The smallest group of
+    sets that holds the probability `SearchPolicy.held` gives the verdict. A set that contains another one of the group
+    is no rival to it: what more may act is told by the probability that nothing further does.
 
     ``adequate``     the empty set is in the group, and the law is not off by more than the tolerance;
     ``identified``   there is one set, every family of it is as good as certain, its effects exceed the smallest one and
@@ -102,15 +101,12 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
     found.add(base)
     with ParallelFits(search) as fits:
         _explore(fits, found, failed, report)
-    _compare_on_finer_meshes(search, found, report)
+    _complete(search, found, report)
     return _verdict(search, found, failed)
 
 
 def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], report: Callable[[str], None]) -> None:
     """Fit sets of mechanisms until none is left that may matter.
-
-    The likeliest so far goes on to finer meshes at once: what a coarser one lacks at the edge of contact looks like a
-    little adhesion, and every set that holds it would have to be fitted.
 
     Parameters
     ----------
@@ -171,40 +167,22 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
         found.add(candidate)
         evidence = candidate.fit.log_evidence
         report(f"{name}: expected {chosen.log_evidence:.1f}, log evidence {evidence:.1f}")
-        if found.log_weight(chosen.members) > best:
-            _finish(search, found, chosen.members, report)
         extend(found.fitted[chosen.members].fit)
 
 
-def _compare_on_finer_meshes(search: Search, found: Explanations, report: Callable[[str], None]) -> None:
-    """Finish the fits that come close to the likeliest, with the special cases of the best set refitted from there.
-
-    A set takes over the change of its largest part that is finished, and goes there itself where it is not negligible
-    after that.
-    """
+def _complete(search: Search, found: Explanations, report: Callable[[str], None]) -> None:
+    """Refit the special cases of the best set from there, and let searches near it go on that were given up."""
     best = max(found.fitted, key=found.log_weight)
     for explanation, z in _special_cases(search, found.fitted[best].fit):
         try:
             found.add(search.candidate(search.fitted(explanation, [z], found.fitted[best].fit.curve)))
         except PalpateError as error:
             report(f"{'+'.join(explanation)} again: {error}")
-    to_finish = set(found.fitted) - set(found.on_finer_meshes)
-    while to_finish:
-        members = max(to_finish, key=found.log_weight)
-        behind = max(map(found.log_weight, found.fitted)) - found.log_weight(members)
-        to_finish.remove(members)
-        if behind <= (-np.log(search.policy.negligible) if found.finished_parts(members) else search.policy.compared):
-            _finish(search, found, members, report)
-
-
-def _finish(search: Search, found: Explanations, members: Members, report: Callable[[str], None]) -> None:
-    """Let the fit of a set go to its end, on finer meshes where it explains."""
-    candidate = found.fitted[members]
-    finished = search.finished(candidate)
-    if finished is not candidate:
-        found.finish(members, finished)
-        name = "+".join(sorted(members)) or "base model"
-        report(f"{name} in the end: log evidence {finished.fit.log_evidence:.1f}")
+    least = max(map(found.log_weight, found.fitted)) - search.policy.near
+    for members, candidate in list(found.fitted.items()):
+        if members and not candidate.fit.converged and found.log_weight(members) >= least:
+            found.add(search.followed(candidate))
+            report(f"{'+'.join(sorted(members))} in the end: log evidence {found.fitted[members].fit.log_evidence:.1f}")
 
 
 def _special_cases(search: Search, fit: Fit) -> list[tuple[tuple[str, ...], np.ndarray]]:

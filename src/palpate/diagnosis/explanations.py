@@ -45,15 +45,12 @@ class Explanations:
     exchanged
         Of sets of which no smaller one was fitted a fitted set of as many mechanisms, one of which makes place for
         another one, and what that changes alone.
-    on_finer_meshes
-        What finer meshes changed in the log evidence of the sets that were finished there.
     """
 
     considered: int
     fitted: dict[Members, Candidate] = field(default_factory=dict)
     estimated: dict[Members, tuple[Members, float]] = field(default_factory=dict)
     exchanged: dict[Members, tuple[Members, float]] = field(default_factory=dict)
-    on_finer_meshes: dict[Members, float] = field(default_factory=dict)
 
     def add(self, candidate: Candidate) -> None:
         """Add a fit; of one set the likeliest counts, and one that an exact law contradicts does not."""
@@ -68,7 +65,7 @@ class Explanations:
         if members in self.fitted:
             return
         before = self.estimated.get(members)
-        if before is None or self._estimate(members, smaller, gain) > self._estimate(members, *before):
+        if before is None or self._estimate(smaller, gain) > self._estimate(*before):
             self.estimated[members] = smaller, gain
 
     def exchange(self, members: Members, considered: Iterable[str]) -> None:
@@ -84,7 +81,7 @@ class Explanations:
             if all(each in self.fitted or each in self.estimated for each in alone):
                 here, there = map(self._log_evidence, alone)
                 trial = members, here - there
-                if found not in self.exchanged or self._exchanged(*trial) > self._exchanged(*self.exchanged[found]):
+                if found not in self.exchanged or self._estimate(*trial) > self._estimate(*self.exchanged[found]):
                     self.exchanged[found] = trial
 
     def is_exchanged(self, members: Members) -> bool:
@@ -94,39 +91,13 @@ class Explanations:
     def _log_evidence(self, members: Members) -> float:
         """Return the log evidence of a set: of its fit, from a smaller one, or of another one with an exchange."""
         if members in self.fitted:
-            return self._evidence(members)
+            return self.fitted[members].fit.log_evidence
         if members in self.estimated:
-            return self._estimate(members, *self.estimated[members])
-        return self._exchanged(*self.exchanged[members])
+            return self._estimate(*self.estimated[members])
+        return self._estimate(*self.exchanged[members])
 
-    def finish(self, members: Members, candidate: Candidate) -> None:
-        """Put the end of a fit on finer meshes in its place."""
-        self.on_finer_meshes[members] = candidate.fit.log_evidence - self.fitted[members].fit.log_evidence
-        self.fitted[members] = candidate
-
-    def _change(self, members: Members) -> float:
-        """Return what finer meshes change in a log evidence, by the largest part of a set that is finished.
-
-        That belongs to a mechanism and not to those beside it, for the greatest part: adhesion and friction act at the
-        edge of contact, which a mesh resolves.
-        """
-        parts = self.finished_parts(members)
-        return self.on_finer_meshes[max(parts, key=len)] if parts else 0.0
-
-    def finished_parts(self, members: Members) -> list[Members]:
-        """Return the sets within a set whose fits were finished."""
-        return [each for each in self.on_finer_meshes if each <= members]
-
-    def _evidence(self, members: Members) -> float:
-        """Return the log evidence of a fitted set, on finer meshes as far as that is known."""
-        finished = members in self.on_finer_meshes
-        return self.fitted[members].fit.log_evidence + (0.0 if finished else self._change(members))
-
-    def _estimate(self, members: Members, smaller: Members, gain: float) -> float:
-        return self._evidence(smaller) + gain + self._change(members) - self._change(smaller)
-
-    def _exchanged(self, of: Members, more: float) -> float:
-        return self._evidence(of) + more
+    def _estimate(self, fitted: Members, gain: float) -> float:
+        return self.fitted[fitted].fit.log_evidence + gain
 
     def log_weight(self, members: Members) -> float:
         """Return the logarithm of evidence times prior of a set."""

@@ -55,7 +55,7 @@ class Residuals:
         """Return those of a fit, with a law's discrepancy of at most a `tolerance`, as a share of the depth [-]."""
         law = fit.errors.law
         if law is not None and law.share > tolerance:
-            fit = replace(fit, errors=replace(fit.errors, law=law.sized(tolerance, law.own)))
+            fit = replace(fit, errors=replace(fit.errors, law=law.sized(replace(law.size, share=tolerance))))
         white = fit.whiten(fit.tangent)
         absorbed = fit.tangent @ np.linalg.pinv(white.T @ white, rcond=1e-10) @ fit.tangent.T
         left = np.eye(len(absorbed)) - cho_solve((fit.factor, True), absorbed)

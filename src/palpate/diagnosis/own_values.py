@@ -132,7 +132,7 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
         alone = Discrepancy.of(
             [condition.protocol], fit.problem.sharp, {condition.name: curve}, law.law_error, fit.problem.shares
         )
-        common = common + alone.sized(law.share, law.own).covariance
+        common = common + alone.sized(law.size).covariance
     return noise / count + common + refined
 
 

@@ -20,9 +20,8 @@ class SearchPolicy:
         within about one: so probable it must be that the refit can change what is said.
     rough
         Error of a log evidence to first order that is allowed for before a set counts as negligible.
-    compared
-        By how much a log evidence may lie behind the best one where it is compared on finer meshes: in a case of the
-        blind trial the truth gained 6.5 there.
+    near
+        By how much a log evidence may lie behind the best one where a search that was given up goes on.
     behind_set
         The same of special cases behind a set of several mechanisms. A name too many is the worst error, and what
         follows to first order without one of the mechanisms is rough: in a case of the blind trial the truth seemed to
@@ -45,7 +44,7 @@ class SearchPolicy:
     negligible: float = 0.01
     negligible_if_linear: float = 0.1
     rough: float = 1.0
-    compared: float = 10.0
+    near: float = 10.0
     behind_set: float = 400.0
     most: int = 16
     certain: float = 0.99

@@ -6,7 +6,6 @@ A mechanism that joins begins at the screened effects of least misfit, see `palp
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Event
@@ -165,19 +164,17 @@ class Search:
         """Return whether a fit ended far outside the ranges."""
         return bool(np.abs(fit.coordinates.beyond(fit.z)).max() > self.policy.outside)
 
-    def finished(self, candidate: Candidate) -> Candidate:
-        """Return an explanation whose fit went to its end, on finer meshes where it explains.
+    def followed(self, candidate: Candidate) -> Candidate:
+        """Return an explanation whose search was given up after it has gone on, if that made it likelier.
 
-        A fit that was given up goes on where the forward model does not fail, see
-        `palpate.inference.fitting.Fitter.fitted`, and the likelier end is taken.
+        It goes on where the forward model does not fail, see `palpate.inference.fitting.Fitter.fitted`.
         """
         fit = candidate.fit
-        if fit.explanation and not fit.converged:
-            with suppress(PalpateError):
-                again = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
-                fit = max(fit, again, key=lambda each: each.log_evidence)
-        fit = on_finer_meshes(self._fitter, fit)
-        return candidate if fit is candidate.fit else self.candidate(fit)
+        try:
+            again = self._fitter.fitted(fit.explanation, [fit.z], fit.curve, fit.model, reach=np.inf)
+        except PalpateError:
+            return candidate
+        return self.candidate(again) if again.log_evidence > fit.log_evidence else candidate
 
     def explains(self, fit: Fit) -> bool:
         """See `palpate.inference.fitting.Fitter.explains`."""
@@ -205,7 +202,10 @@ class Search:
         draws, scatter = self.study.diagnosis["bootstrap"], self.study.calibration["site_scatter"]
         law = fit.errors.law
         if law and law.share > self.study.diagnosis["tolerance"]:
-            fit = replace(fit, errors=replace(fit.errors, law=law.sized(self.study.diagnosis["tolerance"], law.own)))
+            fit = replace(
+                fit,
+                errors=replace(fit.errors, law=law.sized(replace(law.size, share=self.study.diagnosis["tolerance"]))),
+            )
         return examine(fit, self.screen, np.random.default_rng([self.study.seed, 2]), draws, scatter)
 
     def log_evidence(self, fit: Fit, key: str) -> float:

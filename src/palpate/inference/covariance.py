@@ -33,7 +33,8 @@ from palpate.data.contrasts import Replicates, contrasts, without_trend
 from palpate.data.noise import NoiseModel
 from palpate.data.noise_fit import fit_noise
 from palpate.inference.amplitude import Amplitude
-from palpate.inference.discrepancy import Discrepancy, largest_depths, ripple
+from palpate.inference.discrepancy import Discrepancy, largest_depths
+from palpate.inference.law_structure import ripple
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.models.forward import Forward

@@ -15,12 +15,14 @@ close values at close histories:
 
 Two tests of one normalised history and equal times share x wholly, at every load; while both are loaded evenly they
 share it at equal times even if their rates differ; a corner of the history changes p, and so ends the memory. What has
-a length of its own, a sphere or a film, loses that memory with the logarithm of the ratio of loads. As tips, contacts
-and meshes breach the scaling a little, each test keeps a part of its own, `own` of the variance: with a correlation of
-exactly one each breach by a thousandth would be named. Replicates share x wholly.
+a length of its own, a sphere or a film, loses that memory with the logarithm of the ratio of loads. Tips, contacts,
+instruments and meshes breach the scaling a little, so `own` of the variance belongs to what does not obey it, of one
+kind or of several: of each test alone, with a length, with the clock, or since the load turned, see
+`palpate.inference.law_structure`. With a correlation of exactly one each breach by a thousandth would be named.
+Replicates share x wholly.
 
-Neither number is known. A quadrature over `SHARES` and `OWN` integrates over both, with a prior that is the same for
-all explanations compared.
+None of the three is known. A quadrature over `SHARES`, `OWN` and `KINDS` integrates over all, with a prior that is the
+same for all explanations compared.
 """
 
 from __future__ import annotations
@@ -30,22 +32,41 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import block_diag, lapack, solve_triangular
+from scipy.linalg import solve_triangular
 from scipy.special import log_ndtr, logsumexp
 
+from palpate.inference.law_structure import clocks, common, parts_of_tests, reversals, with_length
 from palpate.study.protocol import Protocol
 
 LAW_ERROR = 0.0025  # share of the depth, median of the prior; see docs/inference.md for the wrong laws that it rests on
-TIMES = 0.8  # a, of the logarithm of time: fits of linear solids to power, logarithmic and stretched creep leave this
-HISTORIES = 0.25  # b, of the root of the normalised load: the same
-ROUGHER = 6.0  # times shorter than those of the law's discrepancy are the lengths of a mesh's ripple
-LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
-AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
-DROPPED = 1e-4  # of the variance of x, below which columns are left out
 PRIOR_SCALE = 0.68  # of the logistic density of ln(share): 95 % lie within a factor of twelve of the median
 SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
-OWN = np.array([0.01, 0.03, 0.1, 0.3, 0.9])  # nodes of the quadrature over `own`
-OWN_WEIGHTS = np.array([0.2, 0.25, 0.25, 0.2, 0.1])  # their prior, chosen: even in ln(own) but for the last
+OWN = np.array([0.01, 0.1, 0.9])  # nodes of the quadrature over `own`, equally probable beforehand
+KINDS = ("test", "length", "clock", "reversal", "several")  # the same; the last one is of all others in equal parts
+
+
+@dataclass(frozen=True)
+class Size:
+    """The size of a discrepancy.
+
+    Parameters
+    ----------
+    share
+        Standard deviation as a share of the depth [-].
+    own
+        Share of the variance that breaches the scaling law [-].
+    kind
+        Of that breach, of `KINDS`.
+    """
+
+    share: float = 0.0
+    own: float = 0.0
+    kind: str = KINDS[0]
+
+
+SIZES = np.array(
+    [Size(float(share), float(own), kind) for kind in KINDS for own in OWN for share in SHARES], dtype=object
+)  # the nodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,25 +76,22 @@ class Discrepancy:
     Parameters
     ----------
     common : ndarray, shape (n, m)
-        Columns of the part that histories determine, per unit of `share` [nm].
-    alone : ndarray, shape (n, m')
-        Columns of the part that each test has of its own.
+        Columns of the part that obeys the scaling law, per unit of `share` [nm].
+    breaches : Mapping
+        Columns (n, m') of the part that breaches it, for each of `KINDS`.
     scale : ndarray, shape (n,)
         Largest depth so far [nm].
     law_error
         Median of the prior of `share` [-].
-    share
-        Standard deviation as a share of the depth [-].
-    own
-        Share of the variance that each test has of its own.
+    size
+        By default none.
     """
 
     common: np.ndarray
-    alone: np.ndarray
+    breaches: Mapping[str, np.ndarray]
     scale: np.ndarray
     law_error: float
-    share: float = 0.0
-    own: float = OWN[0]
+    size: Size = Size()
 
     @classmethod
     def of(
@@ -100,30 +118,41 @@ class Discrepancy:
             Relative change of a test's response where the depth under the same load changes, see
             `palpate.observables.observable`; one where not given.
         """
-        common, alone = _correlated(tuple(protocols), sharp)
-        scale = largest_depths(depths, shares)
-        return cls(scale[:, None] * common, scale[:, None] * alone, scale, law_error)
+        tests, scale = tuple(protocols), largest_depths(depths, shares)
+        breaches = {
+            "test": scale[:, None] * parts_of_tests(tests, sharp),
+            "length": scale[:, None] * with_length(tests),
+            "clock": mean_depth(depths) * clocks(tests),
+            "reversal": scale[:, None] * reversals(tests),
+        }
+        breaches["several"] = np.column_stack(list(breaches.values())) / np.sqrt(len(breaches))
+        return cls(scale[:, None] * common(tests, sharp), breaches, scale, law_error)
 
-    def sized(self, share: float, own: float) -> Discrepancy:
+    @property
+    def share(self) -> float:
+        """Standard deviation as a share of the depth [-]."""
+        return self.size.share
+
+    def sized(self, size: Size) -> Discrepancy:
         """Return the same with another size."""
-        return replace(self, share=share, own=own)
+        return replace(self, size=size)
 
     @cached_property
     def covariance(self) -> np.ndarray:
         """Covariance (n, n) [nm^2]."""
-        together, alone = self.common * np.sqrt(1.0 - self.own), self.alone * np.sqrt(self.own)
-        return self.share**2 * (together @ together.T + alone @ alone.T)
+        common, breach = self.common, self.breaches[self.size.kind]
+        return self.share**2 * ((1.0 - self.size.own) * common @ common.T + self.size.own * breach @ breach.T)
 
     @property
     def log_prior(self) -> float:
         """Logarithm of the prior weight of its size, that of a node of the quadrature."""
-        nodes = log_prior(*_nodes(), self.law_error)
-        return float(nodes[np.argmin(np.abs(np.log(_nodes()[0] / self.share)) + np.abs(_nodes()[1] - self.own))])
+        same = [k for k, size in enumerate(SIZES) if (size.own, size.kind) == (self.size.own, self.size.kind)]
+        nearest = min(same, key=lambda k: abs(np.log(SIZES[k].share / self.share)))
+        return float(log_prior(self.law_error)[nearest])
 
-    @property
-    def columns(self) -> np.ndarray:
-        """All columns (n, m + m') [nm]."""
-        return np.column_stack([self.common, self.alone])
+    def columns(self, kind: str) -> np.ndarray:
+        """Return all columns (n, m + m') [nm] with a breach of some kind."""
+        return np.column_stack([self.common, self.breaches[kind]])
 
     def left_by_best(self, tangent: np.ndarray) -> np.ndarray:
         """Return what the best parameters leave at each node (q,): root mean square as a share of the depth [-].
@@ -133,59 +162,26 @@ class Discrepancy:
         tangent : ndarray, shape (n, k)
             Slopes of the depths by the parameters [nm].
         """
-        basis, columns = np.linalg.qr(tangent / self.scale[:, None])[0], self.columns / self.scale[:, None]
-        squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
-        shares, own = _nodes()
-        return shares * np.sqrt([self.deviations(each) ** 2 @ squares for each in own])
+        basis, left = np.linalg.qr(tangent / self.scale[:, None])[0], list[np.ndarray]()
+        for kind in KINDS:
+            columns = self.columns(kind) / self.scale[:, None]
+            squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
+            left += [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for own in OWN]
+        return np.concatenate(left)
 
-    def deviations(self, own: float) -> np.ndarray:
+    def deviations(self, own: float, kind: str) -> np.ndarray:
         """Return the standard deviation (m + m',) of each column's coefficient at a share of one."""
-        return np.sqrt(np.repeat([1.0 - own, own], [self.common.shape[1], self.alone.shape[1]]))
+        return np.sqrt(np.repeat([1.0 - own, own], [self.common.shape[1], self.breaches[kind].shape[1]]))
+
+
+def mean_depth(depths: Mapping[str, np.ndarray]) -> float:
+    """Return the mean of the largest depths of tests [nm], by which what follows the clock is measured."""
+    return float(np.mean([np.abs(curve).max() for curve in depths.values()]))
 
 
 def largest_depths(depths: Mapping[str, np.ndarray], shares: Mapping[str, float]) -> np.ndarray:
     """Return the largest depth so far (n,) of tests [nm], times the relative change of their responses, see `of`."""
     return np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])
-
-
-@lru_cache(maxsize=32)
-def _correlated(protocols: tuple[Protocol, ...], sharp: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return factors (n, m) and (n, m') of the correlation of x, and of that within each test alone."""
-    of_tests = [features(protocol, sharp) for protocol in protocols]
-    alone = block_diag(*(correlation_factor(kernel(each)) for each in of_tests))
-    return correlation_factor(kernel(np.vstack(of_tests))), alone
-
-
-@lru_cache(maxsize=32)
-def ripple(protocols: tuple[Protocol, ...], sharp: bool) -> np.ndarray:
-    """Return the correlation (n, n) of what a mesh makes rough, by `features` that are `ROUGHER` times as short."""
-    return kernel(ROUGHER * np.vstack([features(protocol, sharp) for protocol in protocols]))
-
-
-def features(protocol: Protocol, sharp: bool) -> np.ndarray:
-    """Return what the process depends on, (n_points, f), in units of the distances over which it forgets."""
-    time = protocol.sample_time
-    before = protocol.drive_at(np.outer(time, 1.0 - AGO).ravel()).reshape(len(time), -1)
-    knots = np.interp(time, protocol.knot_time, np.maximum.accumulate(protocol.knot_drive))
-    largest = np.maximum(np.maximum(knots, protocol.sample_drive), 1e-9 * protocol.largest_drive)
-    history = np.sqrt(before / largest[:, None] / len(AGO))
-    lengths = np.zeros(len(time)) if sharp else np.log(largest) / LOADS
-    return np.column_stack([np.log(time) / TIMES, history / HISTORIES, lengths])
-
-
-def kernel(features: np.ndarray) -> np.ndarray:
-    """Return the correlation (n, n) between points with these features (n, f)."""
-    squares = np.sum(features**2, axis=1)
-    distance = squares[:, None] + squares[None] - 2.0 * features @ features.T
-    return np.exp(-0.5 * np.maximum(distance, 0.0))
-
-
-def correlation_factor(correlation: np.ndarray) -> np.ndarray:
-    """Return columns (n, m) whose products are a correlation (n, n) to within `DROPPED`: Cholesky's with pivots."""
-    found, pivots, rank, _ = lapack.dpstrf(correlation, lower=1, tol=DROPPED)
-    rows = np.empty_like(pivots)
-    rows[pivots - 1] = np.arange(len(pivots))
-    return np.tril(found)[rows, :rank]
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,8 +196,8 @@ class Marginal:
 
     Attributes
     ----------
-    shares, own : ndarray, shape (q,)
-        Size at each node; one node of size zero where there is no discrepancy.
+    sizes : ndarray of Size, shape (q,)
+        At each node; one node of size zero where there is no discrepancy.
     log_prior : ndarray, shape (q,)
         Logarithm of the prior weight of each node.
     products : ndarray, shape (q, c, c)
@@ -210,8 +206,7 @@ class Marginal:
         Half the logarithm of the determinant of C.
     """
 
-    shares: np.ndarray
-    own: np.ndarray
+    sizes: np.ndarray
     log_prior: np.ndarray
     products: np.ndarray
     half_log_det: np.ndarray
@@ -222,20 +217,20 @@ class Marginal:
         white = solve_triangular(factor, columns, lower=True)
         known, half = white.T @ white, float(np.log(np.diag(factor)).sum())
         if discrepancy is None:
-            return cls(np.zeros(1), np.zeros(1), np.zeros(1), known[None], np.array([half]))
-        basis = solve_triangular(factor, discrepancy.columns, lower=True)
-        inner, outer = basis.T @ basis, basis.T @ white
+            return cls(np.array([Size()], dtype=object), np.zeros(1), known[None], np.array([half]))
         products, halves = [], []
-        for own in OWN:
-            deviations = discrepancy.deviations(own)
-            values, vectors = np.linalg.eigh(deviations[:, None] * inner * deviations)
-            along = vectors.T @ (deviations[:, None] * outer)
-            grown = SHARES[:, None] ** 2 * np.maximum(values, 0.0)
-            halves.append(half + 0.5 * np.log1p(grown).sum(axis=1))
-            weights = SHARES[:, None] ** 2 / (1.0 + grown)
-            products.append(known - np.einsum("qm,mi,mj->qij", weights, along, along, optimize=True))
-        prior = log_prior(*_nodes(), discrepancy.law_error)
-        return cls(*_nodes(), prior, np.concatenate(products), np.concatenate(halves))
+        for kind in KINDS:
+            basis = solve_triangular(factor, discrepancy.columns(kind), lower=True)
+            inner, outer = basis.T @ basis, basis.T @ white
+            for own in OWN:
+                deviations = discrepancy.deviations(own, kind)
+                values, vectors = np.linalg.eigh(deviations[:, None] * inner * deviations)
+                along = vectors.T @ (deviations[:, None] * outer)
+                grown = SHARES[:, None] ** 2 * np.maximum(values, 0.0)
+                halves.append(half + 0.5 * np.log1p(grown).sum(axis=1))
+                weights = SHARES[:, None] ** 2 / (1.0 + grown)
+                products.append(known - (along.T * weights[:, None, :]) @ along)
+        return cls(SIZES, log_prior(discrepancy.law_error), np.concatenate(products), np.concatenate(halves))
 
     def with_data(self, columns: np.ndarray) -> Marginal:
         """Return the same with further data of unit variance, rows (d, c) of the same columns."""
@@ -279,14 +274,9 @@ class Marginal:
         return found
 
 
-def _nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Return `share` and `own` (q,) at every node of the quadrature."""
-    return np.tile(SHARES, len(OWN)), np.repeat(OWN, len(SHARES))
-
-
-def log_prior(shares: np.ndarray, own: np.ndarray, law_error: float) -> np.ndarray:
-    """Return the logarithm of the prior weight of each node of `share` and `own` (q,)."""
-    size = np.log(shares / law_error) / PRIOR_SCALE
+@lru_cache(maxsize=8)
+def log_prior(law_error: float) -> np.ndarray:
+    """Return the logarithm of the prior weight (q,) of each of `SIZES`."""
+    size = np.log(np.array([size.share for size in SIZES]) / law_error) / PRIOR_SCALE
     density = -np.abs(size) - 2.0 * np.log1p(np.exp(-np.abs(size)))
-    whole = density + np.log(OWN_WEIGHTS[np.searchsorted(OWN, own - 1e-9)])
-    return whole - logsumexp(whole)
+    return density - logsumexp(density)

@@ -232,7 +232,7 @@ class Fit:
             return self
         marginal, density = self._sizes
         likeliest = int(np.argmax(density))
-        law = self.errors.law.sized(float(marginal.shares[likeliest]), float(marginal.own[likeliest]))
+        law = self.errors.law.sized(marginal.sizes[likeliest])
         return replace(self, errors=replace(self.errors, law=law))
 
     def alike(self, other: Fit) -> bool:
@@ -240,7 +240,8 @@ class Fit:
         own, others = self.errors.law, other.errors.law
         if own is None or others is None or not others.share:
             return own is others
-        return abs(np.log(own.share / others.share)) < SAME_SIZE and own.own == others.own
+        same = (own.size.own, own.size.kind) == (others.size.own, others.size.kind)
+        return same and abs(np.log(own.share / others.share)) < SAME_SIZE
 
     def within(self, tolerance: float) -> float:
         """Return the probability that the best parameters leave no more than a share of the depth, see `law_share`."""

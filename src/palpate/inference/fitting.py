@@ -22,6 +22,7 @@ from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.covariance import Errors, errors, noise_of, of_mesh
 from palpate.inference.descent import Descent, Until
+from palpate.inference.discrepancy import Size
 from palpate.inference.errors_at_end import effects_at, with_own_values
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
@@ -60,7 +61,7 @@ class Fitter:
     constraints: tuple[AmplitudeConstraint, ...] = ()
     _residual_as_noise: np.ndarray = field(init=False, repr=False)
     _noise: dict[tuple[Amplitude, ...], NoiseModel] = field(init=False, repr=False)
-    _size: tuple[float, float] | None = field(init=False, repr=False, default=None)
+    _size: Size | None = field(init=False, repr=False, default=None)
 
     def __post_init__(self) -> None:
         self.use_residual_as_noise(np.zeros(len(self.problem.mean)))
@@ -210,7 +211,7 @@ class Fitter:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
         self.problem, self._noise = replace(self.problem, forward=base.model, at=base.z), {}
         law = base.errors.law
-        self._size = (min(law.share, self.law_error), law.own) if law else None
+        self._size = replace(law.size, share=min(law.share, self.law_error)) if law else None
         return replace(base, problem=self.problem)
 
     def explains(self, fit: Fit) -> bool:
@@ -252,7 +253,7 @@ class Fitter:
             self._noise[own] = noise_of(self.problem, own, self._residual_as_noise, self.site_scatter)
         noise, known = self._noise[own], (self.solver_error, effects, self.law_error)
         found = errors(self.problem, model, own, depth, noise, *known)
-        return replace(found, law=found.law.sized(*self._size)) if found.law and self._size else found
+        return replace(found, law=found.law.sized(self._size)) if found.law and self._size else found
 
     def use_residual_as_noise(self, residual: np.ndarray) -> None:
         """Take a residual (n_all,) [nm] for noise where at most half of the conditions are repeated."""

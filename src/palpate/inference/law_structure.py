@@ -1,0 +1,115 @@
+r"""How the discrepancy of a law is correlated: what obeys the scaling law of a sharp tip, and four ways to breach it.
+
+What obeys it is a smooth functional of the normalised history, see `palpate.inference.discrepancy`. What breaches it
+belongs to each test alone, or has a length and so changes slowly with the load, or follows the clock, as a drift of the
+instrument does, or begins where the load turns, as overshoots and backlashes do: there it changes with the logarithm of
+the time since then, and fades over a segment. Each is a Gaussian process; here are columns whose products are its
+correlation.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import block_diag, lapack
+
+from palpate.study.protocol import Protocol
+
+TIMES = 0.8  # of the logarithm of time: fits of linear solids to power, logarithmic and stretched creep leave this
+HISTORIES = 0.25  # of the root of the normalised load: the same
+ROUGHER = 6.0  # times shorter than those of the law's discrepancy are the lengths of a mesh's ripple
+LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
+LENGTHS = 1.5  # of the logarithm of the load, where something beside these has a length
+SMALLEST_LOAD = 1e-3  # of the largest one, below which loads count as equal
+AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
+CLOCK = 0.3  # of a test's duration, over which a drift forgets
+SINCE = 0.8  # of the logarithm of the time since the load turned
+SOONEST = 0.01  # of a segment, below which that time counts as one
+DROPPED = 1e-4  # of the variance, below which columns are left out
+
+Tests = tuple[Protocol, ...]
+
+
+@lru_cache(maxsize=32)
+def common(tests: Tests, sharp: bool) -> np.ndarray:
+    """Return columns (n, m) of what histories determine."""
+    return correlation_factor(kernel(np.vstack([features(test, sharp) for test in tests])))
+
+
+@lru_cache(maxsize=32)
+def parts_of_tests(tests: Tests, sharp: bool) -> np.ndarray:
+    """Return columns (n, m) of the same within each test alone."""
+    return block_diag(*(correlation_factor(kernel(features(test, sharp))) for test in tests))
+
+
+@lru_cache(maxsize=32)
+def with_length(tests: Tests) -> np.ndarray:
+    """Return columns (n, m) of what changes slowly with the load."""
+    largest, found = max(test.largest_drive for test in tests), []
+    for test in tests:
+        load = np.maximum(_largest_so_far(test), SMALLEST_LOAD * largest)
+        found.append(np.column_stack([features(test, True), np.log(load) / LENGTHS]))
+    return correlation_factor(kernel(np.vstack(found)))
+
+
+@lru_cache(maxsize=32)
+def clocks(tests: Tests) -> np.ndarray:
+    """Return columns (n, m) of a walk with the clock in each test that begins at zero."""
+    found = []
+    for test in tests:
+        time = test.sample_time / test.knot_time[-1]
+        apart = np.subtract.outer(time, time) / CLOCK
+        found.append(correlation_factor(np.outer(time, time) ** 0.5 * np.exp(-0.5 * apart**2)))
+    return block_diag(*found)
+
+
+@lru_cache(maxsize=32)
+def reversals(tests: Tests) -> np.ndarray:
+    """Return columns (n, m) of what begins in each test at a corner of the load, and fades after it."""
+    found = []
+    for test in tests:
+        time, knots, correlation = test.sample_time, test.knot_time, np.zeros((len(test.sample_time),) * 2)
+        for before, corner, after in zip(knots[:-2], knots[1:-1], knots[2:], strict=True):
+            since = np.maximum(time - corner, 0.0) / min(corner - before, after - corner)
+            place, fades = np.log(since + SOONEST) / SINCE, np.where(time > corner, np.exp(-since), 0.0)
+            correlation += np.exp(-0.5 * np.subtract.outer(place, place) ** 2) * np.outer(fades, fades)
+        found.append(correlation_factor(correlation))
+    return block_diag(*found)
+
+
+@lru_cache(maxsize=32)
+def ripple(tests: Tests, sharp: bool) -> np.ndarray:
+    """Return the correlation (n, n) of what a mesh makes rough, by `features` that are `ROUGHER` times as short."""
+    return kernel(ROUGHER * np.vstack([features(test, sharp) for test in tests]))
+
+
+def features(protocol: Protocol, sharp: bool) -> np.ndarray:
+    """Return what the process depends on, (n_points, f), in units of the distances over which it forgets."""
+    time = protocol.sample_time
+    before = protocol.drive_at(np.outer(time, 1.0 - AGO).ravel()).reshape(len(time), -1)
+    largest = _largest_so_far(protocol)
+    history = np.sqrt(before / largest[:, None] / len(AGO))
+    lengths = np.zeros(len(time)) if sharp else np.log(largest) / LOADS
+    return np.column_stack([np.log(time) / TIMES, history / HISTORIES, lengths])
+
+
+def _largest_so_far(protocol: Protocol) -> np.ndarray:
+    """Return the largest drive (n_points,) up to each sample."""
+    knots = np.interp(protocol.sample_time, protocol.knot_time, np.maximum.accumulate(protocol.knot_drive))
+    return np.maximum(np.maximum(knots, protocol.sample_drive), 1e-9 * protocol.largest_drive)
+
+
+def kernel(features: np.ndarray) -> np.ndarray:
+    """Return the correlation (n, n) between points with these features (n, f)."""
+    squares = np.sum(features**2, axis=1)
+    distance = squares[:, None] + squares[None] - 2.0 * features @ features.T
+    return np.exp(-0.5 * np.maximum(distance, 0.0))
+
+
+def correlation_factor(correlation: np.ndarray) -> np.ndarray:
+    """Return columns (n, m) whose products are a correlation (n, n) to within `DROPPED`: Cholesky's with pivots."""
+    found, pivots, rank, _ = lapack.dpstrf(correlation, lower=1, tol=DROPPED)
+    rows = np.empty_like(pivots)
+    rows[pivots - 1] = np.arange(len(pivots))
+    return np.tril(found)[rows, :rank]

@@ -1,0 +1,111 @@
+"""What no library holds, in four kinds: other laws, lengths, clocks and reversals.
+
+Each gives the change (n,) [nm] of a depth at a strength of one; the strength follows from a wanted misfit, see
+`studies.claims.sets`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from palpate.classical.viscoelastic_depth import Compliance
+from palpate.study.protocol import Protocol
+from studies.coverage.creep import cole_cole, depth, log_normal
+
+Departure = Callable[[Protocol, np.ndarray, Compliance, np.random.Generator], np.ndarray]
+
+SLOW = 0.1  # of a test, over which a random walk is smoothed
+SETTLES = 0.03  # of a test, in which an overshoot fades
+BLUNT = 50.0  # nm, below which the square of the depth prevails again
+PLAY = 0.05  # of the largest depth, over which a backlash is taken up
+
+
+def _with_elements(elements: tuple[tuple[float, float], ...]) -> Departure:
+    """Return creep by a spectrum of retardation times (share, time [s]) beside the Burgers solid's."""
+
+    def change(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+        terms = tuple((0.2 * solid.instantaneous * share, time) for share, time in elements)
+        return depth(Compliance(solid.instantaneous, solid.rate, (*solid.terms, *terms)), protocol) - curve
+
+    return change
+
+
+def logarithmic(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Creep with the logarithm of time (L. C. E. Struik 1978)."""
+    share = np.sqrt(protocol.sample_load / protocol.max_load)
+    return curve * share * np.log1p(protocol.sample_time / 0.5)
+
+
+def hardened(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Recover less at unloading than a viscoelastic body, as one that has hardened."""
+    peak = int(np.argmax(curve))
+    return np.where(np.arange(len(curve)) > peak, curve[peak] - curve, 0.0)
+
+
+def eyring(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Creep with the hyperbolic sine of the load (H. Eyring 1936)."""
+    share = protocol.sample_load / protocol.max_load
+    time = np.append(0.0, protocol.sample_time)
+    flow = np.cumsum(np.sinh(3.0 * share) * np.diff(time)) / time[-1]
+    return curve.max() * flow
+
+
+def gradient(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Become stiffer with depth."""
+    return -curve * curve / (curve + 1000.0)
+
+
+def area_function(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Have a tip with an area of 24.5 h^2 + C h^(1/2) (W. C. Oliver, G. M. Pharr 1992)."""
+    return -curve / (curve + BLUNT) ** 1.5
+
+
+def load_cell(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Have a load cell whose gain falls with the load."""
+    return -curve * np.tanh(protocol.sample_load / 2.0)
+
+
+def random_walk(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Wander slowly, alike in the replicates of a test."""
+    time = np.append(0.0, protocol.sample_time)
+    walk = np.cumsum(np.sqrt(np.diff(time)) * rng.standard_normal(len(curve)))
+    return gaussian_filter1d(walk, SLOW * len(curve), mode="nearest")
+
+
+def warming(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Soften while the room warms, swinging over a few hundred seconds."""
+    return curve * np.sin(2.0 * np.pi * protocol.sample_time / 170.0) ** 2
+
+
+def overshoot(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Go on for a moment where the rate of the load changes."""
+    time, rates = protocol.sample_time, np.diff(protocol.knot_drive) / np.diff(protocol.knot_time)
+    settling, found = SETTLES * time[-1], np.zeros(len(curve))
+    for corner, before, after in zip(protocol.knot_time[1:-1], rates[:-1], rates[1:], strict=True):
+        since = np.maximum(time - corner, 0.0) / settling
+        found += (before - after) * since * np.exp(-since)
+    return found
+
+
+def backlash(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Take up the play of a drive after the motion has turned."""
+    peak = int(np.argmax(curve))
+    back = np.where(np.arange(len(curve)) > peak, curve[peak] - curve, 0.0)
+    return -np.expm1(-back / (PLAY * curve[peak]))
+
+
+DEPARTURES: dict[str, dict[str, Departure]] = {
+    "scaling": {
+        "log_normal": _with_elements(log_normal(20.0, 1.0)),
+        "cole_cole": _with_elements(cole_cole(20.0, 0.5)),
+        "logarithmic": logarithmic,
+        "hardened": hardened,
+        "eyring": eyring,
+    },
+    "length": {"gradient": gradient, "area_function": area_function, "load_cell": load_cell},
+    "clock": {"random_walk": random_walk, "warming": warming},
+    "reversal": {"overshoot": overshoot, "backlash": backlash},
+}
