@@ -100,6 +100,7 @@ class BodyWithMechanisms(BurgersSolid):
         """Return the parameters of each mechanism at coordinates u (k,), by its key."""
         named, found = self.coordinates.named(u), dict[str, dict[str, float]]()
         for mechanism in self.mechanisms:
+            assert self.scale is not None
             searched = {name: named[f"{mechanism.key}.{name}"] for name in mechanism.searched(self.scale)}
             found[mechanism.key] = dict(mechanism.from_search(searched, self.scale))
         return found

@@ -163,7 +163,9 @@ def _changes(
 def _left(departure: str, conditions: tuple[Condition, ...], parameters: Mapping[str, float], seed: int) -> float:
     """Return the root mean square of what a refit leaves of a departure, to first order, as a share of the depth."""
     model = BurgersSolid(conditions)
-    ((curves, slopes),) = model.tangents([MATERIAL.scaled(parameters)])  # type: ignore[misc]
+    (found,) = model.tangents([MATERIAL.scaled(parameters)])
+    assert not isinstance(found, str)
+    curves, slopes = found
     depths = [curves[each.name] for each in conditions]
     largest = np.concatenate([np.maximum.accumulate(curve) for curve in depths])
     tangent = np.concatenate([slopes[each.name] for each in conditions]) / largest[:, None]

@@ -146,8 +146,9 @@ class Discrepancy:
     @property
     def log_prior(self) -> float:
         """Logarithm of the prior weight of its size, that of a node of the quadrature."""
-        same = [k for k, size in enumerate(SIZES) if (size.own, size.kind) == (self.size.own, self.size.kind)]
-        nearest = min(same, key=lambda k: abs(np.log(SIZES[k].share / self.share)))
+        own, kind = self.size.own, self.size.kind
+        same = {k: size.share for k, size in enumerate(SIZES) if (size.own, size.kind) == (own, kind)}
+        nearest = min(same, key=lambda k: float(abs(np.log(same[k] / self.share))))
         return float(log_prior(self.law_error)[nearest])
 
     def columns(self, kind: str) -> np.ndarray:

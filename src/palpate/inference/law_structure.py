@@ -20,7 +20,8 @@ TIMES = 0.8  # of the logarithm of time: fits of linear solids to power, logarit
 HISTORIES = 0.25  # of the root of the normalised load: the same
 ROUGHER = 6.0  # times shorter than those of the law's discrepancy are the lengths of a mesh's ripple
 LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
-LENGTHS = 1.5  # of the logarithm of the load, where something beside these has a length
+LENGTHS = 1.5  # of the logarithm of the largest load, over which what has a length beside these changes
+LEFT = 0.5  # of the root of the part of the load that is left, the same
 SMALLEST_LOAD = 1e-3  # of the largest one, below which loads count as equal
 AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
 CLOCK = 0.3  # of a test's duration, over which a drift forgets
@@ -45,11 +46,12 @@ def parts_of_tests(tests: Tests, sharp: bool) -> np.ndarray:
 
 @lru_cache(maxsize=32)
 def with_length(tests: Tests) -> np.ndarray:
-    """Return columns (n, m) of what changes slowly with the load."""
+    """Return columns (n, m) of a smooth function of the largest load so far and of the part of it that is left."""
     largest, found = max(test.largest_drive for test in tests), []
     for test in tests:
-        load = np.maximum(_largest_so_far(test), SMALLEST_LOAD * largest)
-        found.append(np.column_stack([features(test, True), np.log(load) / LENGTHS]))
+        so_far = _largest_so_far(test)
+        left = np.sqrt(test.sample_drive / so_far)
+        found.append(np.column_stack([left / LEFT, np.log(np.maximum(so_far, SMALLEST_LOAD * largest)) / LENGTHS]))
     return correlation_factor(kernel(np.vstack(found)))
 
 
