@@ -27,6 +27,7 @@ same for all explanations compared.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -42,7 +43,8 @@ LAW_ERROR = 0.0025  # share of the depth, median of the prior; see docs/inferenc
 PRIOR_SCALE = 0.68  # of the logistic density of ln(share): 95 % lie within a factor of twelve of the median
 SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
 OWN = np.array([0.01, 0.1, 0.9])  # nodes of the quadrature over `own`, equally probable beforehand
-KINDS = ("test", "length", "clock", "reversal", "several")  # the same; the last one is of all others in equal parts
+BREACHES = ("test", "length", "clock", "reversal")
+KINDS = (*BREACHES, "several")  # equally probable, too; the last one is of all others in equal parts
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Discrepancy:
     common : ndarray, shape (n, m)
         Columns of the part that obeys the scaling law, per unit of `share` [nm].
     breaches : Mapping
-        Columns (n, m') of the part that breaches it, for each of `KINDS`.
+        Columns (n, m') of the part that breaches it, for each of `BREACHES`.
     scale : ndarray, shape (n,)
         Largest depth so far [nm].
     law_error
@@ -125,7 +127,6 @@ class Discrepancy:
             "clock": mean_depth(depths) * clocks(tests),
             "reversal": scale[:, None] * reversals(tests),
         }
-        breaches["several"] = np.column_stack(list(breaches.values())) / np.sqrt(len(breaches))
         return cls(scale[:, None] * common(tests, sharp), breaches, scale, law_error)
 
     @property
@@ -140,8 +141,8 @@ class Discrepancy:
     @cached_property
     def covariance(self) -> np.ndarray:
         """Covariance (n, n) [nm^2]."""
-        common, breach = self.common, self.breaches[self.size.kind]
-        return self.share**2 * ((1.0 - self.size.own) * common @ common.T + self.size.own * breach @ breach.T)
+        columns = self.columns * self.deviations(self.size.own, self.size.kind)
+        return self.share**2 * columns @ columns.T
 
     @property
     def log_prior(self) -> float:
@@ -151,9 +152,10 @@ class Discrepancy:
         nearest = min(same, key=lambda k: float(abs(np.log(same[k] / self.share))))
         return float(log_prior(self.law_error)[nearest])
 
-    def columns(self, kind: str) -> np.ndarray:
-        """Return all columns (n, m + m') [nm] with a breach of some kind."""
-        return np.column_stack([self.common, self.breaches[kind]])
+    @cached_property
+    def columns(self) -> np.ndarray:
+        """All columns (n, m) [nm]."""
+        return np.column_stack([self.common, *(self.breaches[kind] for kind in BREACHES)])
 
     def left_by_best(self, tangent: np.ndarray) -> np.ndarray:
         """Return what the best parameters leave at each node (q,): root mean square as a share of the depth [-].
@@ -163,16 +165,17 @@ class Discrepancy:
         tangent : ndarray, shape (n, k)
             Slopes of the depths by the parameters [nm].
         """
-        basis, left = np.linalg.qr(tangent / self.scale[:, None])[0], list[np.ndarray]()
-        for kind in KINDS:
-            columns = self.columns(kind) / self.scale[:, None]
-            squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
-            left += [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for own in OWN]
-        return np.concatenate(left)
+        basis, columns = np.linalg.qr(tangent / self.scale[:, None])[0], self.columns / self.scale[:, None]
+        squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
+        found = [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for kind in KINDS for own in OWN]
+        return np.concatenate(found)
 
     def deviations(self, own: float, kind: str) -> np.ndarray:
-        """Return the standard deviation (m + m',) of each column's coefficient at a share of one."""
-        return np.sqrt(np.repeat([1.0 - own, own], [self.common.shape[1], self.breaches[kind].shape[1]]))
+        """Return the standard deviation (m,) of each column's coefficient at a share of one."""
+        several = own / len(BREACHES) if kind == "several" else 0.0
+        variances = [1.0 - own, *(own if kind == each else several for each in BREACHES)]
+        counts = [self.common.shape[1], *(self.breaches[each].shape[1] for each in BREACHES)]
+        return np.sqrt(np.repeat(variances, counts))
 
 
 def mean_depth(depths: Mapping[str, np.ndarray]) -> float:
@@ -220,17 +223,18 @@ class Marginal:
         if discrepancy is None:
             return cls(np.array([Size()], dtype=object), np.zeros(1), known[None], np.array([half]))
         products, halves = [], []
-        for kind in KINDS:
-            basis = solve_triangular(factor, discrepancy.columns(kind), lower=True)
-            inner, outer = basis.T @ basis, basis.T @ white
-            for own in OWN:
-                deviations = discrepancy.deviations(own, kind)
-                values, vectors = np.linalg.eigh(deviations[:, None] * inner * deviations)
-                along = vectors.T @ (deviations[:, None] * outer)
-                grown = SHARES[:, None] ** 2 * np.maximum(values, 0.0)
-                halves.append(half + 0.5 * np.log1p(grown).sum(axis=1))
-                weights = SHARES[:, None] ** 2 / (1.0 + grown)
-                products.append(known - (along.T * weights[:, None, :]) @ along)
+        basis = solve_triangular(factor, discrepancy.columns, lower=True)
+        inner, outer = basis.T @ basis, basis.T @ white
+        for kind, own in itertools.product(KINDS, OWN):
+            deviations = discrepancy.deviations(own, kind)
+            acts = deviations > 0.0
+            scaled = deviations[acts, None] * inner[np.ix_(acts, acts)] * deviations[acts]
+            values, vectors = np.linalg.eigh(scaled)
+            along = vectors.T @ (deviations[acts, None] * outer[acts])
+            grown = SHARES[:, None] ** 2 * np.maximum(values, 0.0)
+            halves.append(half + 0.5 * np.log1p(grown).sum(axis=1))
+            weights = SHARES[:, None] ** 2 / (1.0 + grown)
+            products.append(known - (along.T * weights[:, None, :]) @ along)
         return cls(SIZES, log_prior(discrepancy.law_error), np.concatenate(products), np.concatenate(halves))
 
     def with_data(self, columns: np.ndarray) -> Marginal:
