@@ -10,12 +10,14 @@ from scipy.optimize import least_squares
 
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
+from palpate.output.written_figures import write_figure
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.protocol import trapezoid
 from palpate.surrogate.surrogates import Surrogates
 from studies.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
 from studies.thesis import index as page
 from studies.thesis.dimensionless import MODULUS, NAMES, groups
+from studies.thesis.figures import FIGURES
 from studies.thesis.fitted import Fitted
 from studies.thesis.friction import reductions
 from studies.thesis.identifiability import RANGES, deviations
@@ -200,20 +202,32 @@ def test_the_page_says_how_much_of_it_was_made_now(tmp_path):
     assert "5.0 minutes later; 1 of 2 files" in text
 
 
-def test_the_page_shows_findings_and_effort(tmp_path):
-    from matplotlib.figure import Figure
+REDUCED = {
+    "rows": [
+        {"kinematics": "large", "friction": 0.5, "max_load": 1.0, "loading_time": time}
+        | {"max_depth_reduction_percent": 0.5, "residual_depth_reduction_percent": None}
+        for time in (30.0, 240.0)
+    ]
+}
 
-    Figure(figsize=(1, 1)).savefig(tmp_path / "friction.png")
+
+def test_the_page_shows_findings_and_effort(tmp_path):
     finding = {"what": "x", "thesis": "1 < 2", "here": "2", "rule": "3 +- 1", "verdict": "differs", "why": "because"}
-    outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "seconds": 2.0}}
+    outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "series": REDUCED, "seconds": 2.0}}
     labels = [{"address": "one"}, {"address": "one"}, {"address": ""}]
     blank = np.full((3, 1), np.nan)
     curves = Curves(labels, blank, blank, blank, ["", "", "refused"])
-    page.write(outcomes, {"friction": tmp_path / "friction.png"}, [curves], tmp_path / "index.html")
+    (picture,) = write_figure(FIGURES["friction"], outcomes["friction"], tmp_path / "friction", True)
+    page.write(outcomes, {"friction": picture}, [curves], tmp_path / "index.html")
     text = (tmp_path / "index.html").read_text()
     assert "1 different curves" in text
     assert "2 s in the studies" in text
     assert "1 &lt; 2" in text
+    assert (tmp_path / "friction.txt").read_text().strip() in text
+
+
+def test_every_study_has_a_figure_of_its_name():
+    assert list(FIGURES) == list(STUDIES)
 
 
 def test_friction_is_measured_against_the_frictionless_curve_of_the_same_test():
