@@ -280,7 +280,9 @@ def test_a_diagnosis_shows_what_is_missing(fit, found):
 
 
 def test_a_diagnosis_without_candidates_still_shows_itself(fit):
-    alone = diagnose(fit.study, calibration=fit)
+    said = []
+    alone = diagnose(fit.study, calibration=fit, report=said.append)
+    assert [line.split(",")[0] for line in said if "expected" in line] == ["explanation 1 of at most 16"]
     assert (alone.verdict, alone.content["recordings"]) == ("adequate", fit.saved.name)
     assert alone.tried["accepted"].to_list()[0]
     assert list(alone.to_frame()["parameter"]) == ["youngs_modulus"] and alone.candidates.empty

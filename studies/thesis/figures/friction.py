@@ -29,7 +29,7 @@ def draw(figure: Figure, frame: pd.DataFrame) -> None:
         for axis, (depth, title) in zip(row, DEPTHS.items(), strict=True):
             _panel(axis, frame[frame["kinematics"] == kinematics], f"{depth}_reduction_percent")
             axis.set_title(f"{title}, {kinematics} strains")
-        row[0].set_ylabel("shallower than without friction [%]")
+        row[0].set_ylabel("reduction of the depth [%]")
     for axis in axes[-1]:
         axis.set_xlabel("loading time [s]")
     legend_below(figure, axes[-1, 0])
