@@ -11,8 +11,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
-import urllib.request
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -22,10 +20,14 @@ import yaml
 
 HERE = Path(__file__).parent
 STUDY = HERE / "data/comparison.yaml"
-VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}]
+ELASTIC = {
+    "material": {"model": "elastic", "poisson_ratio": 0.34},
+    "parameters": {"youngs_modulus": [1.5, 2.0, 2.5, 3.0]},
+}
+VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}, ELASTIC]
+LAWS = ("law", "kernel", "recordings"), ("before_held_out_nm", "held_out_nm", "noise_nm")
 PARAMETERS, METRICS = ("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm")
 PORT = 5177
-STARTS = 300  # s that MLflow may take to answer
 PATIENCE = 240_000  # ms, for a page
 DRAWN = 4000  # ms, for what is drawn after it was loaded
 WIDTH = 1500  # pixels
@@ -99,14 +101,10 @@ def main(words: Sequence[str]) -> int:
     if not Path("results/comparison/report.html").is_file():
         run_all()
     command = [sys.executable, "-m", "palpate.cli.main", "ui", "--port", str(PORT)]
-    server = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+    assert server.stdout is not None
     try:
-        for _ in range(STARTS):
-            try:
-                urllib.request.urlopen(f"http://127.0.0.1:{PORT}/health", timeout=5)
-                break
-            except OSError:
-                time.sleep(1)
+        next(line for line in server.stdout if line.startswith("Ctrl-C"))  # it answers
         pictures(f"http://127.0.0.1:{PORT}")
     finally:
         os.killpg(server.pid, 15)

@@ -5,8 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
-import urllib.request
 
 import pytest
 from results_of import diagnosis, saved
@@ -19,7 +17,6 @@ from palpate.workflow_support.runs_of_results import of_sets
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 QUIET = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-sync"]
-STARTS = 120  # s that MLflow may take to answer
 pytestmark = pytest.mark.browser
 
 
@@ -115,13 +112,8 @@ def test_the_saved_view_of_mlflow_shows_verdict_and_held_out_error(browser, tmp_
         command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
     )
     try:
-        link = server.stdout.readline().split()[-1]
-        for _ in range(STARTS):
-            try:
-                urllib.request.urlopen(f"http://127.0.0.1:{port}/health", timeout=5)
-                break
-            except OSError:
-                time.sleep(1)
+        _, line = server.stdout.readline(), server.stdout.readline()  # the second when MLflow answers
+        link = line.split()[-1]
         page, _ = opened(browser, link, viewport={"width": 1700, "height": 800})
         page.wait_for_selector("text=held_out_nm", timeout=60_000)
         page.wait_for_selector("text=5.42", timeout=60_000)
