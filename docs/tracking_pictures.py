@@ -1,7 +1,7 @@
 """Make the pictures of ``docs/tracking.md``: ``python docs/tracking_pictures.py FOLDER``, an empty folder.
 
-A small study, ``docs/data/comparison.yaml``, is run with two kernels on the same two sets of recordings; then Chromium
-opens what ``palpate ui`` links to. This needs ``pip install -e '.[browser]'`` and Chromium.
+A small study, ``docs/data/comparison.yaml``, is run with two kernels and two laws on the same two sets of recordings;
+then Chromium opens what ``palpate ui`` links to. This needs ``pip install -e '.[browser]'`` and Chromium.
 """
 
 from __future__ import annotations
@@ -25,12 +25,15 @@ ELASTIC = {
     "parameters": {"youngs_modulus": [1.5, 2.0, 2.5, 3.0]},
 }
 VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}, ELASTIC]
-LAWS = ("law", "kernel", "recordings"), ("before_held_out_nm", "held_out_nm", "noise_nm")
-PARAMETERS, METRICS = ("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm")
+COMPARED = {  # parameters and metrics that are compared, and of which runs
+    "kernels": (("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm"), "law != 'elastic'"),
+    "laws": (("law", "recordings"), ("youngs_modulus", "held_out_nm"), "kernel = 'multiquadric'"),
+}
+ONE_DIAGNOSIS = "tags.kind = 'explanation' and tags.recordings = 'drifting' and params.kernel = 'gaussian'"
 PORT = 5177
 PATIENCE = 240_000  # ms, for a page
 DRAWN = 4000  # ms, for what is drawn after it was loaded
-WIDTH = 1500  # pixels
+WIDTH = 1700  # pixels
 
 
 def run_all() -> None:
@@ -56,8 +59,7 @@ def pictures(server: str) -> None:
     from palpate.workflow_support.tracking import connected, experiments
 
     experiment = experiments(Path("results"))["comparison"]
-    sets = connected(Path("results")).search_runs([experiment], "tags.kind = 'recordings'")
-    of, chosen = quote(json.dumps([experiment])), quote(json.dumps([run.info.run_id for run in sets]))
+    client, of = connected(Path("results")), quote(json.dumps([experiment]))
     chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
@@ -74,24 +76,33 @@ def pictures(server: str) -> None:
             page.wait_for_timeout(DRAWN)
             return page
 
+        def compared(parameters: Sequence[str], metrics: Sequence[str], which: str) -> Any:
+            found = client.search_runs([experiment], f"tags.kind = 'recordings' and params.{which}")
+            chosen = quote(json.dumps([run.info.run_id for run in found]))
+            address = f"{server}/#/compare-runs?runs={chosen}&experiments={of}"
+            page = opened(address, "Parallel Coordinates Plot", 640)
+            page.get_by_role("button", name="Clear All").click()
+            for box, names in zip(page.get_by_role("combobox").all(), (parameters, metrics), strict=True):
+                for name in names:
+                    box.click()
+                    box.fill(name)
+                    page.wait_for_timeout(DRAWN // 4)
+                    page.keyboard.press("Enter")
+                page.keyboard.press("Escape")
+            return page
+
         def taken(page: Any, name: str) -> None:
             page.wait_for_timeout(DRAWN)
             page.screenshot(path=str(HERE / f"images/{name}.png"))
             page.close()
 
         taken(opened(saved_view.link(server, experiment), "held_out_nm", 620), "tracking_sets")
-        page = opened(saved_view.link(server, experiment, saved_view.EXPLANATIONS_ID), "log_evidence", 700)
+        page = opened(saved_view.link(server, experiment, saved_view.EXPLANATIONS_ID), "log_evidence", 560)
+        page.get_by_role("textbox").first.fill(ONE_DIAGNOSIS)
+        page.keyboard.press("Enter")
         taken(page, "tracking_explanations")
-        page = opened(f"{server}/#/compare-runs?runs={chosen}&experiments={of}", "Parallel Coordinates Plot", 640)
-        page.get_by_role("button", name="Clear All").click()
-        for box, names in zip(page.get_by_role("combobox").all(), (PARAMETERS, METRICS), strict=True):
-            for name in names:
-                box.click()
-                box.fill(name)
-                page.wait_for_timeout(DRAWN // 4)
-                page.keyboard.press("Enter")
-            page.keyboard.press("Escape")
-        taken(page, "tracking_parallel")
+        for name, arguments in COMPARED.items():
+            taken(compared(*arguments), f"tracking_{name}")
         browser.close()
 
 

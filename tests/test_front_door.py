@@ -279,6 +279,13 @@ def test_a_diagnosis_shows_what_is_missing(fit, found):
     assert found.plot(axes) is axes
 
 
+def test_every_entry_of_the_results_is_explained(fit, found):
+    page = (REPOSITORY / "docs/files.md").read_text()
+    for name, content in (("calibration", fit.content), ("diagnosis", found.content)):
+        section = page.partition(f"## `{name}.json`")[2].partition("\n## ")[0]
+        assert set(content) <= set(re.findall(r"`(\w+)`", section))
+
+
 def test_a_diagnosis_without_candidates_still_shows_itself(fit):
     said = []
     alone = diagnose(fit.study, calibration=fit, report=said.append)

@@ -119,7 +119,11 @@ def test_a_misfit_near_the_noise_does_not_speak_for_the_model(tmp_path):
 def test_estimates_outside_their_range_and_searches_that_have_not_settled_are_told(tmp_path):
     found = saved(tmp_path)
     content = found.calibrations["all"]
-    assert Calibration(found).bound_sentence().startswith("Estimates of the base model outside the plausible range: Young's modulus.")
+    assert (
+        Calibration(found)
+        .bound_sentence()
+        .startswith("Estimates of the base model outside the plausible range: Young's modulus.")
+    )
     entry = content["parameters"]["youngs_modulus"] | {"at_bound": True}
     changed = content | {"converged": False, "parameters": {"youngs_modulus": entry}}
     told = Calibration(saved(tmp_path, calibrations={"all": changed}))
