@@ -91,24 +91,24 @@ def pictures(server: str) -> None:
                 page.keyboard.press("Escape")
             return page
 
-        def taken(page: Any, name: str) -> None:
+        def save(page: Any, name: str) -> None:
             page.wait_for_timeout(DRAWN)
             page.screenshot(path=str(HERE / f"images/{name}.png"))
             page.close()
 
-        taken(opened(saved_view.link(server, experiment), "held_out_nm", 620), "tracking_sets")
+        save(opened(saved_view.link(server, experiment), "held_out_nm", 620), "tracking_sets")
         page = opened(saved_view.link(server, experiment, saved_view.EXPLANATIONS_ID), "log_evidence", 560)
         page.get_by_role("textbox").first.fill(ONE_DIAGNOSIS)
         page.keyboard.press("Enter")
-        taken(page, "tracking_explanations")
-        for name, arguments in COMPARED.items():
-            taken(compared(*arguments), f"tracking_{name}")
+        save(page, "tracking_explanations")
+        for name, choice in COMPARED.items():
+            save(compared(*choice), f"tracking_{name}")
         browser.close()
 
 
-def main(words: Sequence[str]) -> int:
+def main(arguments: Sequence[str]) -> int:
     """Run the study where it was not, start MLflow, and take the pictures."""
-    os.chdir(words[0])
+    os.chdir(arguments[0])
     if not Path("results/comparison/report.html").is_file():
         run_all()
     command = [sys.executable, "-m", "palpate.cli.main", "ui", "--port", str(PORT)]

@@ -80,7 +80,7 @@ def effort(outcomes: Mapping[str, Mapping[str, Any]], curves: Sequence[Curves]) 
     studies = sum(outcome["seconds"] for outcome in outcomes.values())
     return (
         f"<p>{len(different)} different curves, {len(failed)} of them failed, {len(coarser)} failed at fine accuracy "
-        f"and stand at standard; {studies:.0f} s in the studies beside the solver.</p>"
+        f"and are of standard accuracy; {studies:.0f} s in the studies beside the solver.</p>"
     )
 
 

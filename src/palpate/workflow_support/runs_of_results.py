@@ -186,8 +186,8 @@ def _of_diagnosis(content: Mapping[str, Any]) -> dict[str, float]:
 def _errors(content: Mapping[str, Any]) -> dict[str, float]:
     """Return the errors of a diagnosis by role, before and after, where there are any, and the noise."""
     errors = {}
-    for role, words in ROLES.items():
-        for when, key in (("before", f"before_{words}_nm"), ("after", f"{words}_nm")):
+    for role, name in ROLES.items():
+        for when, key in (("before", f"before_{name}_nm"), ("after", f"{name}_nm")):
             if (value := content["fit"][role][f"{when}_rmse_nm"]) is not None:
                 errors[key] = value
     return errors | {"noise_nm": content["fit"]["noise_nm"]}

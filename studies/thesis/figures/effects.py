@@ -26,8 +26,8 @@ EFFECTS = {"main_effects": "mean_error", "depth_effects": "mean_depth"}
 
 def analysis_of_variance(name: str, title: str, symbols: Mapping[str, str], unit: str) -> PaperFigure:
     """Return the figure of an analysis of variance; `unit` is that of the error, and symbols are those of factors."""
-    drawn, told = partial(draw, symbols=symbols, unit=unit), partial(caption, title=title)
-    return PaperFigure(name, title, table, drawn, told, seen)
+    drawn, captioned = partial(draw, symbols=symbols, unit=unit), partial(caption, title=title)
+    return PaperFigure(name, title, table, drawn, captioned, seen)
 
 
 def table(outcome: Mapping[str, Any]) -> pd.DataFrame:
