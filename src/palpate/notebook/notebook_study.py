@@ -131,7 +131,7 @@ class NotebookStudy(Shown, Study):
 
     def tables(self) -> list[pd.DataFrame]:
         """Return the ranges of the parameters, and the conditions."""
-        levels = self.levels | {name: (value,) for name, value in self.fixed.items()}
+        levels = {**self.levels, **{name: (value,) for name, value in self.fixed.items()}}
         ranges = pd.DataFrame(
             {"parameter": in_words(name), "unit": self.declared[name].unit, "from": min(values), "to": max(values)}
             for name, values in levels.items()

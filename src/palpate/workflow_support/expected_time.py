@@ -43,7 +43,8 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
     pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)
     accurate = cost * PYRAMID * pyramids
-    others = sum(OTHERS.values()) + SURROGATE * len(study.calibrated)
+    jobs = [seconds for rule, seconds in OTHERS.items() if rule != "laboratory" or study.laboratory]
+    others = sum(jobs) + SURROGATE * len(study.calibrated)
     total = snapshots + fits + explanations + accurate + others
     parts = [f"{curves} snapshots {time_in_words(snapshots)}"]
     parts += [f"calibration {time_in_words(fits)}"] if study.recordings else []
