@@ -108,7 +108,7 @@ class Answer:
 
     @property
     def effect_sentences(self) -> list[str]:
-        """Each effect with its interval and probability in words; of several explanations they are those of the best."""
+        """Each effect with its interval and probability in words; of several explanations those of the best."""
         best = "best explanation: " if self.verdict == "ambiguous" else ""
         return [best + effect_sentence(effect) for effect in self.effects]
 
