@@ -25,13 +25,10 @@ ELASTIC = {
     "parameters": {"youngs_modulus": [1.5, 2.0, 2.5, 3.0]},
 }
 VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}, ELASTIC]
+BURGERS, MULTIQUADRIC = "law = 'nonlinear Burgers'", "kernel = 'multiquadric'"
 COMPARED = {  # parameters and metrics that are compared, and of which runs
-    "kernels": (
-        ("kernel", "recordings"),
-        ("youngs_modulus", "chi2_per_dof", "before_held_out_nm"),
-        "law = 'nonlinear Burgers'",
-    ),
-    "laws": (("law", "recordings"), ("youngs_modulus", "before_held_out_nm"), "kernel = 'multiquadric'"),
+    "kernels": (("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm"), BURGERS),
+    "laws": (("law", "recordings"), ("youngs_modulus", "before_held_out_nm"), MULTIQUADRIC),
 }
 ONE_DIAGNOSIS = "tags.kind = 'explanation' and tags.recordings = 'drifting' and params.kernel = 'gaussian'"
 PORT = 5177
