@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     print("MLflow starts, which takes some seconds", flush=True)
     command = ["-m", "mlflow", "ui", "--backend-store-uri", store, "--port", str(port), "--workers", "1"]
-    with subprocess.Popen([sys.executable, *command], env=os.environ | LIMITS) as process:
+    with subprocess.Popen([sys.executable, *command], env=os.environ | LIMITS, stdout=sys.stderr) as process:
         if _answers(process, f"{server}/health"):
             print(*links, "Ctrl-C ends it", sep="\n", flush=True)
         return process.wait()
