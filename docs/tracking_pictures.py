@@ -1,7 +1,7 @@
 """Make the pictures of ``docs/tracking.md``: ``python docs/tracking_pictures.py FOLDER``, an empty folder.
 
-A small study, ``docs/data/comparison.yaml``, is run with two kernels on the same two sets of recordings; then Chromium
-opens what ``palpate ui`` links to. This needs ``pip install -e '.[browser]'`` and Chromium.
+A small study, ``docs/data/comparison.yaml``, is run with two kernels and two laws on the same two sets of recordings;
+then Chromium opens what ``palpate ui`` links to. This needs ``pip install -e '.[browser]'`` and Chromium.
 """
 
 from __future__ import annotations
@@ -11,8 +11,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
-import urllib.request
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -22,13 +20,21 @@ import yaml
 
 HERE = Path(__file__).parent
 STUDY = HERE / "data/comparison.yaml"
-VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}]
-PARAMETERS, METRICS = ("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm")
+ELASTIC = {
+    "material": {"model": "elastic", "poisson_ratio": 0.34},
+    "parameters": {"youngs_modulus": [1.5, 2.0, 2.5, 3.0]},
+}
+VARIATIONS: list[dict[str, Any]] = [{}, {"surrogate": {"kernel": "gaussian"}}, ELASTIC]
+BURGERS, MULTIQUADRIC = "law = 'nonlinear Burgers'", "kernel = 'multiquadric'"
+COMPARED = {  # parameters and metrics that are compared, and of which runs
+    "kernels": (("kernel", "recordings"), ("youngs_modulus", "chi2_per_dof", "before_held_out_nm"), BURGERS),
+    "laws": (("law", "recordings"), ("youngs_modulus", "before_held_out_nm"), MULTIQUADRIC),
+}
+ONE_DIAGNOSIS = "tags.kind = 'explanation' and tags.recordings = 'drifting' and params.kernel = 'gaussian'"
 PORT = 5177
-STARTS = 300  # s that MLflow may take to answer
 PATIENCE = 240_000  # ms, for a page
 DRAWN = 4000  # ms, for what is drawn after it was loaded
-WIDTH = 1500  # pixels
+WIDTH = 1700  # pixels
 
 
 def run_all() -> None:
@@ -54,8 +60,7 @@ def pictures(server: str) -> None:
     from palpate.workflow_support.tracking import connected, experiments
 
     experiment = experiments(Path("results"))["comparison"]
-    sets = connected(Path("results")).search_runs([experiment], "tags.kind = 'recordings'")
-    of, chosen = quote(json.dumps([experiment])), quote(json.dumps([run.info.run_id for run in sets]))
+    client, of = connected(Path("results")), quote(json.dumps([experiment]))
     chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
@@ -72,41 +77,46 @@ def pictures(server: str) -> None:
             page.wait_for_timeout(DRAWN)
             return page
 
-        def taken(page: Any, name: str) -> None:
+        def compared(parameters: Sequence[str], metrics: Sequence[str], which: str) -> Any:
+            found = client.search_runs([experiment], f"tags.kind = 'recordings' and params.{which}")
+            chosen = quote(json.dumps([run.info.run_id for run in found]))
+            address = f"{server}/#/compare-runs?runs={chosen}&experiments={of}"
+            page = opened(address, "Parallel Coordinates Plot", 640)
+            page.get_by_role("button", name="Clear All").click()
+            for box, names in zip(page.get_by_role("combobox").all(), (parameters, metrics), strict=True):
+                for name in names:
+                    box.click()
+                    box.fill(name)
+                    page.wait_for_timeout(DRAWN // 4)
+                    page.keyboard.press("Enter")
+                page.keyboard.press("Escape")
+            return page
+
+        def save(page: Any, name: str) -> None:
             page.wait_for_timeout(DRAWN)
             page.screenshot(path=str(HERE / f"images/{name}.png"))
             page.close()
 
-        taken(opened(saved_view.link(server, experiment), "held_out_nm", 620), "tracking_sets")
-        page = opened(saved_view.link(server, experiment, saved_view.EXPLANATIONS_ID), "log_evidence", 700)
-        taken(page, "tracking_explanations")
-        page = opened(f"{server}/#/compare-runs?runs={chosen}&experiments={of}", "Parallel Coordinates Plot", 640)
-        page.get_by_role("button", name="Clear All").click()
-        for box, names in zip(page.get_by_role("combobox").all(), (PARAMETERS, METRICS), strict=True):
-            for name in names:
-                box.click()
-                box.fill(name)
-                page.wait_for_timeout(DRAWN // 4)
-                page.keyboard.press("Enter")
-            page.keyboard.press("Escape")
-        taken(page, "tracking_parallel")
+        save(opened(saved_view.link(server, experiment), "held_out_nm", 620), "tracking_sets")
+        page = opened(saved_view.link(server, experiment, saved_view.EXPLANATIONS_ID), "log_evidence", 560)
+        page.locator("input[value^='tags.kind']").fill(ONE_DIAGNOSIS)
+        page.keyboard.press("Enter")
+        save(page, "tracking_explanations")
+        for name, choice in COMPARED.items():
+            save(compared(*choice), f"tracking_{name}")
         browser.close()
 
 
-def main(words: Sequence[str]) -> int:
+def main(arguments: Sequence[str]) -> int:
     """Run the study where it was not, start MLflow, and take the pictures."""
-    os.chdir(words[0])
+    os.chdir(arguments[0])
     if not Path("results/comparison/report.html").is_file():
         run_all()
     command = [sys.executable, "-m", "palpate.cli.main", "ui", "--port", str(PORT)]
-    server = subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
+    assert server.stdout is not None
     try:
-        for _ in range(STARTS):
-            try:
-                urllib.request.urlopen(f"http://127.0.0.1:{PORT}/health", timeout=5)
-                break
-            except OSError:
-                time.sleep(1)
+        next(line for line in server.stdout if line.startswith("Ctrl-C"))  # it answers
         pictures(f"http://127.0.0.1:{PORT}")
     finally:
         os.killpg(server.pid, 15)

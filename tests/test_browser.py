@@ -5,8 +5,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
-import urllib.request
 
 import pytest
 from results_of import diagnosis, saved
@@ -19,7 +17,6 @@ from palpate.workflow_support.runs_of_results import of_sets
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 QUIET = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-sync"]
-STARTS = 120  # s that MLflow may take to answer
 pytestmark = pytest.mark.browser
 
 
@@ -47,23 +44,23 @@ def report(tmp_path_factory):
 
 def opened(browser, address, **settings):
     page = browser.new_page(**settings)
-    said = []
-    page.on("console", lambda message: said.append(message.text))
-    page.on("pageerror", lambda error: said.append(str(error)))
+    messages = []
+    page.on("console", lambda message: messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
     page.goto(address)
-    return page, said
+    return page, messages
 
 
 def test_the_first_screen_is_the_answer(browser, report):
-    page, said = opened(browser, report, viewport={"width": 1400, "height": 900})
+    page, messages = opened(browser, report, viewport={"width": 1400, "height": 900})
     for text in ("nonlinear Burgers", "Thermal drift identified", "3.30 (3.22 to 3.40)", "What is open"):
         box = page.get_by_text(text).first.bounding_box()
         assert box and box["y"] + box["height"] < 900, text
-    assert said == []
+    assert messages == []
 
 
 def test_curves_are_drawn_and_another_condition_is_chosen(browser, report):
-    page, said = opened(browser, report)
+    page, messages = opened(browser, report)
     page.wait_for_selector(".plot.curve .main-svg")
     names = page.locator(".plot.curve .legendtext").all_text_contents()
     assert {"tests", "recorded, mean", "base model", "accepted model"} <= set(names)
@@ -71,7 +68,7 @@ def test_curves_are_drawn_and_another_condition_is_chosen(browser, report):
     page.select_option("select.condition", "1")
     page.select_option("select.over", "drive")
     assert page.locator(".plot.residual .xtitle").text_content() == "load [mN]"
-    assert said == []
+    assert messages == []
 
 
 def test_nothing_is_scrolled_sideways_on_a_telephone(browser, report):
@@ -115,13 +112,8 @@ def test_the_saved_view_of_mlflow_shows_verdict_and_held_out_error(browser, tmp_
         command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True
     )
     try:
-        link = server.stdout.readline().split()[-1]
-        for _ in range(STARTS):
-            try:
-                urllib.request.urlopen(f"http://127.0.0.1:{port}/health", timeout=5)
-                break
-            except OSError:
-                time.sleep(1)
+        _, line = server.stdout.readline(), server.stdout.readline()  # the second when MLflow answers
+        link = line.split()[-1]
         page, _ = opened(browser, link, viewport={"width": 1700, "height": 800})
         page.wait_for_selector("text=held_out_nm", timeout=60_000)
         page.wait_for_selector("text=5.42", timeout=60_000)

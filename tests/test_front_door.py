@@ -225,11 +225,11 @@ def test_a_draft_stays_where_a_folder_is_given(file):
 
 def test_a_draft_says_what_to_look_at(file):
     stiff = replace(measured(), depth=0.2 * measured().depth)
-    said = []
+    messages = []
     (file.parent / "notes.txt").write_text("no test")
-    study = Study.draft([file, file.parent / "notes.txt", file, stiff], report=said.append)
-    assert any("the same recording as" in line for line in said)
-    assert any("notes.txt" in line and "the file is left out" in line for line in said)
+    study = Study.draft([file, file.parent / "notes.txt", file, stiff], report=messages.append)
+    assert any("the same recording as" in line for line in messages)
+    assert any("notes.txt" in line and "the file is left out" in line for line in messages)
     assert any("different materials" in line for line in study.remarks)
     assert "different materials" in study.summary() and "different materials" in study._repr_html_()
 
@@ -279,8 +279,17 @@ def test_a_diagnosis_shows_what_is_missing(fit, found):
     assert found.plot(axes) is axes
 
 
+def test_every_entry_of_the_results_is_explained(fit, found):
+    page = (REPOSITORY / "docs/files.md").read_text()
+    for name, content in (("calibration", fit.content), ("diagnosis", found.content)):
+        section = page.partition(f"## `{name}.json`")[2].partition("\n## ")[0]
+        assert set(content) <= set(re.findall(r"`(\w+)`", section))
+
+
 def test_a_diagnosis_without_candidates_still_shows_itself(fit):
-    alone = diagnose(fit.study, calibration=fit)
+    messages = []
+    alone = diagnose(fit.study, calibration=fit, report=messages.append)
+    assert [line.split(",")[0] for line in messages if "expected" in line] == ["explanation 1 of at most 16"]
     assert (alone.verdict, alone.content["recordings"]) == ("adequate", fit.saved.name)
     assert alone.tried["accepted"].to_list()[0]
     assert list(alone.to_frame()["parameter"]) == ["youngs_modulus"] and alone.candidates.empty
@@ -289,7 +298,7 @@ def test_a_diagnosis_without_candidates_still_shows_itself(fit):
 
 
 def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, results, capsys, monkeypatch):
-    said = []
+    messages = []
 
     def failing(study, observed, values, report=print):
         report("not brought to one load")
@@ -297,12 +306,12 @@ def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, resul
 
     monkeypatch.setattr("palpate.workflow_support.steps.brought_to_one_load", failing)
     assert len(list((results / "store").rglob("*.npz"))) == 4
-    again = calibrate(fit.study, fit.tests, results=results, report=said.append)
-    assert any("4 snapshots, 0 computed" in line for line in said)
-    assert [line.split(": ")[1] for line in said if line.startswith("step")] == [
+    again = calibrate(fit.study, fit.tests, results=results, report=messages.append)
+    assert any("4 snapshots, 0 computed" in line for line in messages)
+    assert [line.split(": ")[1] for line in messages if line.startswith("step")] == [
         "snapshots", "surrogates", "search and least squares"
     ]  # fmt: skip
-    assert again.values == fit.values and "not brought to one load" in said
+    assert again.values == fit.values and "not brought to one load" in messages
     assert capsys.readouterr() == ("", "")
 
 

@@ -9,9 +9,9 @@ import pytest
 from results_of import diagnosis, saved
 
 from palpate.output.figures.catalogue import FIGURES
-from palpate.output.html_report import image, table
+from palpate.output.html_report import table
 from palpate.output.report import study_page
-from palpate.output.written_figures import stem_of, write_figures
+from palpate.output.written_figures import shown, stem_of, write_figures
 
 MADE_FROM = {"python": "3", "libraries": {"numpy": "2"}, "git_commit": "abc", "seed": 0, "files": {"a.csv": "0" * 64}}
 SNAPSHOTS = pd.DataFrame({"status": ["ok", "failed"]})
@@ -21,10 +21,8 @@ def page_of(folder, *sets):
     write_figures(sets, folder / "figures")
 
     def drawn(name, of):
-        figure = FIGURES[name]
-        file = folder / "figures" / f"{stem_of(figure, of or sets[0])}.svg"
-        numbers = figure.table(of or sets[0])
-        return "" if numbers is None else image(file, figure.seen(numbers), figure.caption(numbers))
+        figure, of = FIGURES[name], of or sets[0]
+        return shown(figure, of, folder / "figures" / f"{stem_of(figure, of)}.svg")
 
     study_page.write(sets[0].study, sets, drawn, SNAPSHOTS, MADE_FROM, folder / "report.html")
     return (folder / "report.html").read_text()

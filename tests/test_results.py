@@ -110,21 +110,21 @@ def test_a_misfit_near_the_noise_does_not_speak_for_the_model(tmp_path):
     """A drift of 0.15 nm/s was found with a misfit of 1.17: the diagnosis must not be contradicted."""
     found = saved(tmp_path)
     content = found.calibrations["all"]
-    said = Calibration(saved(tmp_path, calibrations={"all": content | {"misfit_ratio": 1.17}})).misfit_sentence()
-    assert "explains the recordings" not in said
-    assert "1.17); a small effect may still be present" in said
+    text = Calibration(saved(tmp_path, calibrations={"all": content | {"misfit_ratio": 1.17}})).misfit_sentence()
+    assert "explains the recordings" not in text
+    assert "1.17); a small effect may still be present" in text
     assert "does not explain the recordings" in Calibration(found).misfit_sentence()
 
 
 def test_estimates_outside_their_range_and_searches_that_have_not_settled_are_told(tmp_path):
     found = saved(tmp_path)
     content = found.calibrations["all"]
-    assert Calibration(found).bound_sentence().startswith("Outside the plausible range: Young's modulus.")
+    assert "outside the plausible range: Young's modulus." in Calibration(found).bound_sentence()
     entry = content["parameters"]["youngs_modulus"] | {"at_bound": True}
     changed = content | {"converged": False, "parameters": {"youngs_modulus": entry}}
-    told = Calibration(saved(tmp_path, calibrations={"all": changed}))
-    assert told.bound_sentence().startswith("At a limit: Young's modulus;")
-    assert "not converged" in told.convergence_sentence()
+    bounded = Calibration(saved(tmp_path, calibrations={"all": changed}))
+    assert bounded.bound_sentence().startswith("At a limit: Young's modulus;")
+    assert "not converged" in bounded.convergence_sentence()
     assert Calibration(found).convergence_sentence() == ""
 
 

@@ -2,20 +2,26 @@
 
 import datetime
 import os
+import re
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.optimize import least_squares
+from thesis_outcomes import OUTCOMES
 
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
+from palpate.output.figures.style import SMALLEST
+from palpate.output.written_figures import write_figure
 from palpate.solver.simulation import simulate, specification_from
 from palpate.study.protocol import trapezoid
 from palpate.surrogate.surrogates import Surrogates
 from studies.thesis import DESIGNS, STUDIES, Curves, Finding, compute, optimisers
 from studies.thesis import index as page
 from studies.thesis.dimensionless import MODULUS, NAMES, groups
+from studies.thesis.figures import FIGURES
 from studies.thesis.fitted import Fitted
 from studies.thesis.friction import reductions
 from studies.thesis.identifiability import RANGES, deviations
@@ -201,19 +207,33 @@ def test_the_page_says_how_much_of_it_was_made_now(tmp_path):
 
 
 def test_the_page_shows_findings_and_effort(tmp_path):
-    from matplotlib.figure import Figure
-
-    Figure(figsize=(1, 1)).savefig(tmp_path / "friction.png")
     finding = {"what": "x", "thesis": "1 < 2", "here": "2", "rule": "3 +- 1", "verdict": "differs", "why": "because"}
-    outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "seconds": 2.0}}
+    outcomes = {"friction": {"findings": [finding], "tables": {"t": [{"a": 1}]}, "seconds": 2.0} | OUTCOMES["friction"]}
     labels = [{"address": "one"}, {"address": "one"}, {"address": ""}]
     blank = np.full((3, 1), np.nan)
     curves = Curves(labels, blank, blank, blank, ["", "", "refused"])
-    page.write(outcomes, {"friction": tmp_path / "friction.png"}, [curves], tmp_path / "index.html")
+    (picture,) = write_figure(FIGURES["friction"], outcomes["friction"], tmp_path / "friction", True)
+    page.write(outcomes, {"friction": picture}, [curves], tmp_path / "index.html")
     text = (tmp_path / "index.html").read_text()
     assert "1 different curves" in text
     assert "2 s in the studies" in text
     assert "1 &lt; 2" in text
+    assert (tmp_path / "friction.txt").read_text().strip() in text
+
+
+def test_every_study_has_a_figure_of_its_name():
+    assert list(FIGURES) == list(STUDIES) == list(OUTCOMES)
+
+
+@pytest.mark.parametrize("key", FIGURES)
+def test_a_figure_has_type_that_can_be_read_numbers_and_a_caption(key, tmp_path):
+    figure, outcome = FIGURES[key], OUTCOMES[key]
+    (file,) = write_figure(figure, outcome, tmp_path / key, True)
+    drawn = file.read_text()
+    assert min(float(size) for size in re.findall(r"<text [^>]*font-size: ([\d.]+)px", drawn)) >= SMALLEST - 0.01
+    assert ("synthetic recordings" in drawn) != figure.of_study
+    assert len(pd.read_csv(tmp_path / f"{key}.csv")) == len(figure.table(outcome))
+    assert figure.seen(figure.table(outcome)).endswith(".") and (tmp_path / f"{key}.txt").read_text().count(".") > 0
 
 
 def test_friction_is_measured_against_the_frictionless_curve_of_the_same_test():

@@ -5,6 +5,7 @@ import itertools
 import json
 import multiprocessing
 import os
+import re
 import socket
 import sqlite3
 import subprocess
@@ -13,6 +14,7 @@ import threading
 import time
 import zlib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,7 +27,7 @@ from palpate.workflow_support import saved_view
 from palpate.workflow_support.manifest import git_commit
 from palpate.workflow_support.run_records import Record, Run, tracked_runs
 from palpate.workflow_support.runs_of_results import of_calibration, of_diagnosis, of_sets, of_surrogate
-from palpate.workflow_support.tracking import pending
+from palpate.workflow_support.tracking import MATERIAL, pending
 
 X = np.array(list(itertools.product([1.0, 1.5, 2.0], [0.0, 1.0])))
 VERDICTS = ("identified", "adequate")
@@ -110,10 +112,22 @@ def test_a_parent_of_several_sets_counts_their_verdicts(tmp_path):
 
 def test_later_entries_of_a_diagnosis_become_metrics(tmp_path):
     more = {"nothing_further": {"probability": 0.8}, "discrepancy": {"share": 0.01, "lower": 0.0, "upper": 0.02}}
+    more |= {"inclusion": {"friction": 0.2}, "family_inclusion": {"drift": 0.99}, "law_within_tolerance": True}
+    record, found = Record(), saved(tmp_path, diagnosis(**more))
+    of_sets(record, [found], tmp_path)
+    for run in (record.runs[0], of_diagnosis(found.diagnosis, found.study, [])[0]):
+        assert (run.metrics["nothing_further"], run.metrics["discrepancy"]) == (0.8, 0.01)
+        assert (run.metrics["inclusion.friction"], run.metrics["family_inclusion.drift"]) == (0.2, 0.99)
+        assert run.tags["law_within_tolerance"] == "true"
+
+
+def test_every_key_that_is_logged_is_explained(tmp_path):
+    found = saved(tmp_path, diagnosis(inclusion={"thermal_drift": 1.0}, family_inclusion={"drift": 1.0}))
     record = Record()
-    of_sets(record, [saved(tmp_path, diagnosis(**more, inclusion={"friction": 0.2}))], tmp_path)
-    metrics = record.runs[0].metrics
-    assert (metrics["nothing_further"], metrics["discrepancy"], metrics["inclusion.friction"]) == (0.8, 0.01, 0.2)
+    of_sets(record, [found], tmp_path)
+    runs = [*record.runs, of_calibration(found, "all", []), *of_diagnosis(found.diagnosis, found.study, [])]
+    explained = set(re.findall(r"`([\w.]+)`", (Path(__file__).parent.parent / "docs/tracking.md").read_text()))
+    assert {key for run in runs for key in run.metrics} - MATERIAL <= explained
 
 
 def test_a_surrogate_s_run_names_condition_and_kernel(tmp_path):

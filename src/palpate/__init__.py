@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from palpate.base import kernel_cache
 
 if TYPE_CHECKING:
-    from palpate.notebook.calibrated_study import calibrate
-    from palpate.notebook.diagnosed_study import diagnose
+    from palpate.notebook.fitted_study import calibrate, diagnose
     from palpate.notebook.measured_test import read_recording, read_recordings
     from palpate.notebook.notebook_study import NotebookStudy as Study
     from palpate.notebook.simulated_curve import simulate
@@ -22,8 +21,8 @@ __all__ = ["Study", "__version__", "calibrate", "diagnose", "read_recording", "r
 
 PLACES = {
     "Study": "palpate.notebook.notebook_study.NotebookStudy",
-    "calibrate": "palpate.notebook.calibrated_study.calibrate",
-    "diagnose": "palpate.notebook.diagnosed_study.diagnose",
+    "calibrate": "palpate.notebook.fitted_study.calibrate",
+    "diagnose": "palpate.notebook.fitted_study.diagnose",
     "read_recording": "palpate.notebook.measured_test.read_recording",
     "read_recordings": "palpate.notebook.measured_test.read_recordings",
     "simulate": "palpate.notebook.simulated_curve.simulate",

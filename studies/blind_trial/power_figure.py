@@ -15,7 +15,7 @@ from palpate.output.figures.style import (
     SIMULATED,
     SURROGATE,
     TRUTH,
-    mark_synthetic,
+    headed,
     save,
     styled,
     subplots,
@@ -77,5 +77,5 @@ def draw(table: pd.DataFrame, reliability: Mapping[str, pd.DataFrame], path: str
     right.set_xlabel("stated probability")
     right.set_ylabel("share that is right")
     right.set_title("reliability", loc="left")
-    mark_synthetic(figure, True)
+    headed(figure, "", True)
     save(figure, path)

@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from palpate.output import html_report
+from palpate.output.written_figures import shown
 from studies.thesis.runs import Curves
 
 ORDER = (
@@ -48,6 +49,7 @@ def write(
 ) -> None:
     """Write the page from saved outcomes, figures and curves; `wall` is the sentence of `elapsed`."""
     from studies.thesis import STUDIES
+    from studies.thesis.figures import FIGURES
 
     keys = sorted(outcomes, key=lambda key: (ORDER.index(key) if key in ORDER else len(ORDER), key))
     sections = [
@@ -56,7 +58,7 @@ def write(
     ]
     for key in keys:
         outcome = outcomes[key]
-        pieces = [findings_table(outcome["findings"]), html_report.image(figures[key], STUDIES[key].title)]
+        pieces = [findings_table(outcome["findings"]), shown(FIGURES[key], outcome, Path(figures[key]))]
         for title, rows in outcome["tables"].items():
             pieces.append(f"<details><summary>{title}</summary>{html_report.table(pd.DataFrame(rows))}</details>")
         sections.append((STUDIES[key].title, pieces))
@@ -78,7 +80,7 @@ def effort(outcomes: Mapping[str, Mapping[str, Any]], curves: Sequence[Curves]) 
     studies = sum(outcome["seconds"] for outcome in outcomes.values())
     return (
         f"<p>{len(different)} different curves, {len(failed)} of them failed, {len(coarser)} failed at fine accuracy "
-        f"and stand at standard; {studies:.0f} s in the studies beside the solver.</p>"
+        f"and are of standard accuracy; {studies:.0f} s in the studies beside the solver.</p>"
     )
 
 

@@ -109,7 +109,7 @@ rule thesis_figure:
     input:
         f"{THESIS}/{{key}}.json",
     output:
-        f"{THESIS}/figures/{{key}}.png",
+        multiext(f"{THESIS}/figures/{{key}}", ".svg", ".pdf", ".csv", ".txt"),
     log:
         f"{THESIS}/logs/figure_{{key}}.log",
     wildcard_constraints:
@@ -125,7 +125,7 @@ rule thesis_figure:
 rule thesis_index:
     input:
         outcomes=expand(f"{THESIS}/{{key}}.json", key=STUDIES),
-        figures=expand(f"{THESIS}/figures/{{key}}.png", key=STUDIES),
+        figures=expand(f"{THESIS}/figures/{{key}}.svg", key=STUDIES),
         designs=expand(f"{THESIS}/designs/{{design}}.npz", design=DESIGNS),
     output:
         f"{THESIS}/index.html",

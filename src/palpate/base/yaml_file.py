@@ -6,9 +6,11 @@ import math
 import os
 import re
 import stat
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from palpate.errors import InputError
@@ -131,3 +133,14 @@ def read_yaml(path: str | Path) -> Any:
             file=path,
             place=f"line {mark.line + 1}" if mark else None,
         ) from error
+
+
+def plain(values: Any) -> Any:
+    """Return mappings, lists and numbers of Python and NumPy as a YAML file would give them."""
+    if isinstance(values, Mapping):
+        return {key: plain(value) for key, value in values.items()}
+    if isinstance(values, np.ndarray | np.generic):
+        return values.tolist()
+    if isinstance(values, list | tuple):
+        return [plain(value) for value in values]
+    return str(values) if isinstance(values, Path) else values

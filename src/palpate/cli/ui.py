@@ -7,6 +7,8 @@ import os
 import socket
 import subprocess
 import sys
+import time
+import urllib.request
 from pathlib import Path
 
 from palpate.errors import InputError
@@ -15,6 +17,7 @@ NAME = "ui"
 HELP = "open the comparison of runs in MLflow"
 PORT = 5000
 PORTS = 100  # that are tried where no port is given
+REQUEST = 5  # s that one request may take
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the link of each study's comparison, and start MLflow on the store, unless a server is named.
+    """Print the link of each study's comparison, once MLflow answers on the store, unless a server is named.
 
     Raises
     ------
@@ -40,24 +43,27 @@ def run(arguments: argparse.Namespace) -> int:
     served = store.startswith(("http://", "https://"))
     port = None if served else _free(arguments.port)
     server = store if served else f"http://127.0.0.1:{port}"
-    for study, identity in studies.items():
-        print(f"{study}: {link(server, identity)}", flush=True)
+    links = [f"{study}: {link(server, identity)}" for study, identity in studies.items()]
     if served:
+        print(*links, sep="\n")
         return 0
-    print("MLflow starts, which takes some seconds; Ctrl-C ends it", flush=True)
-    command = [
-        sys.executable,
-        "-m",
-        "mlflow",
-        "ui",
-        "--backend-store-uri",
-        store,
-        "--port",
-        str(port),
-        "--workers",
-        "1",
-    ]
-    return subprocess.run(command, env=os.environ | LIMITS, check=False).returncode
+    print("MLflow starts, which takes some seconds", flush=True)
+    command = ["-m", "mlflow", "ui", "--backend-store-uri", store, "--port", str(port), "--workers", "1"]
+    with subprocess.Popen([sys.executable, *command], env=os.environ | LIMITS, stdout=sys.stderr) as process:
+        if _answers(process, f"{server}/health"):
+            print(*links, "Ctrl-C ends it", sep="\n", flush=True)
+        return process.wait()
+
+
+def _answers(process: subprocess.Popen[bytes], address: str) -> bool:
+    """Wait until a server answers, and return whether it does; it does not where its process has ended."""
+    while process.poll() is None:
+        try:
+            urllib.request.urlopen(address, timeout=REQUEST).close()
+            return True
+        except OSError:
+            time.sleep(0.5)
+    return False
 
 
 def _free(port: int | None) -> int:

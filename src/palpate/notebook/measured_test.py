@@ -7,8 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
@@ -66,10 +66,10 @@ class MeasuredTest(Shown):
         return []
 
     def sentences(self) -> list[str]:
-        """Return sentences on it."""
+        """Return extent, segments, corrections, and whatever was noted in reading."""
         parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
         return [
-            extent(self.load, self.depth, float(np.ptp(self.time))),
+            extent(self.recording),
             "; ".join(parts) or "its segments are not found",
             f"corrections in depth: {in_words(self.corrections)}",
             f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
@@ -141,30 +141,19 @@ def read_recording(
     return MeasuredTest(Path(path), one, chosen)
 
 
-def read_recordings(
-    path: str | Path,
-    *,
-    contact: str | float = "file",
-    corrections: Iterable[str] | None = None,
-    columns: Mapping[str, str | int] | None = None,
-    units: Mapping[str, str] | None = None,
-) -> list[MeasuredTest]:
+def read_recordings(path: str | Path, **reading: Any) -> list[MeasuredTest]:
     """Read all tests of a file that can be read; the remarks of the first list the problems of the others.
 
     Arguments are those of `read_recording`; raises `InputError` when no test can be read.
     """
-    tests, chosen = _read(path, contact, corrections, columns, units)
+    tests, chosen = _read(path, **reading)
     lost = tuple(messages(Path(path), [test for test in tests if isinstance(test, Unreadable)]))
     readable = [test for test in tests if isinstance(test, VendorTest)]
     return [MeasuredTest(Path(path), test, chosen, () if number else lost) for number, test in enumerate(readable)]
 
 
 def _read(
-    path: object,
-    contact: str | float,
-    corrections: Iterable[str] | None,
-    columns: Mapping[str, str | int] | None,
-    units: Mapping[str, str] | None,
+    path: object, contact: str | float = "file", corrections: object = None, columns: Any = None, units: Any = None
 ) -> tuple[Sequence[VendorTest | Unreadable], frozenset[str] | None]:
     """Return the tests of a file, each from contact on, and which corrections are in the depth."""
     if not isinstance(path, str | PathLike):

@@ -12,11 +12,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from palpate.base.parameters import in_words
+from palpate.base.yaml_file import plain
 from palpate.configuration.study_file import Study, load_study, study_from
 from palpate.draft import Drafted, readable, study_name, write_study
 from palpate.errors import InputError
 from palpate.notebook.measured_test import MeasuredTest
-from palpate.notebook.plain_values import plain
 from palpate.notebook.session import new_folder
 from palpate.notebook.study_tests import OneTest, recording_of, several
 from palpate.output.figures.style import SERIES
@@ -47,30 +47,21 @@ class NotebookStudy(Shown, Study):
 
     @classmethod
     def read(cls, path: str | Path, data: str | Path | None = None) -> NotebookStudy:
-        """Read a study from its YAML file.
+        """Read a study from its YAML file, as `palpate.configuration.study_file.load_study` does.
 
-        Parameters
-        ----------
-        path, data
-            See `palpate.configuration.study_file.load_study`; relative paths count from the present folder.
-
-        Raises
-        ------
-        InputError
-            With file, place and remedy, on anything misspelt, missing, contradictory or unphysical.
+        Relative paths count from the present folder. Raises `InputError`, with file, place and remedy, on anything
+        misspelt, missing, contradictory or unphysical.
         """
         if not isinstance(path, str | Path):
-            raise _no_study(path)
+            remedy = "give a Study, a mapping or a YAML file; Study.draft makes one of recordings"
+            raise InputError(f"{type(path).__name__} is no study", remedy=remedy, place="study")
         return cls.of(load_study(path, None if data is None else str(data)))
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, Any]) -> NotebookStudy:
-        """Make a study of a mapping with the keys of a study's YAML file; arrays of NumPy are taken as lists.
+        """Make a study of a mapping with the keys of a study's YAML file, or raise `InputError` as `read`.
 
-        Raises
-        ------
-        InputError
-            As `read`.
+        Arrays of NumPy are taken as lists.
         """
         return cls.of(study_from(plain(values), "the mapping"))
 
@@ -116,20 +107,20 @@ class NotebookStudy(Shown, Study):
             if report:
                 report(line)
 
-        given = several(recordings)
+        given = [Path(each) if isinstance(each, str) else each for each in several(recordings)]
         if not given:
             raise InputError("no recordings are given", remedy="give a file or a test", place="recordings")
         radius = None if sphere is None else replace(RADIUS, name="sphere").check(plain(sphere))
-        files = [Path(each) for each in given if isinstance(each, str | Path)]
+        files = [each for each in given if isinstance(each, Path)]
         drafted = readable(files, reported) if files else []
-        drafted += [_drafted(each) for each in given if not isinstance(each, str | Path)]
+        drafted += [_drafted(each) for each in given if not isinstance(each, Path)]
         output = new_folder() if folder is None else Path(folder).resolve()
-        name = study_name(output if folder is not None else Path(_origin(given[0])))
+        name = study_name(output if folder is not None else _origin(given[0]))
         found = write_study(drafted, output, name, reported, law, radius)
         return cls.of(found.study, [*messages, *found.remarks])
 
     def sentences(self) -> list[str]:
-        """Return sentences on it."""
+        """Return file, size, sets of recordings and remarks."""
         sets = ", ".join(f"{name} in {folder}" for name, folder in self.recordings.items()) or "none"
         return [
             f"study: {self.file}",
@@ -139,29 +130,22 @@ class NotebookStudy(Shown, Study):
         ]
 
     def tables(self) -> list[pd.DataFrame]:
-        """Return its tables."""
-        declared = self.declared
+        """Return the ranges of the parameters, and the conditions."""
+        levels = {**self.levels, **{name: (value,) for name, value in self.fixed.items()}}
         ranges = pd.DataFrame(
-            {"parameter": in_words(name), "unit": declared[name].unit, "from": min(values), "to": max(values)}
-            for name, values in {**self.levels, **{name: (value,) for name, value in self.fixed.items()}}.items()
+            {"parameter": in_words(name), "unit": self.declared[name].unit, "from": min(values), "to": max(values)}
+            for name, values in levels.items()
         )
         return [ranges, self.to_frame()]
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a condition: name, role, drive with its largest value and unit, duration_s, points."""
-        rows = [
-            {
-                "condition": condition.name,
-                "role": condition.role,
-                "drive": condition.protocol.control,
-                "largest": condition.protocol.largest_drive,
-                "unit": condition.protocol.unit,
-                "duration_s": float(condition.protocol.knot_time[-1]),
-                "points": len(condition.protocol.sample_time),
-            }
-            for condition in self.conditions
-        ]
-        return pd.DataFrame(rows)
+        return pd.DataFrame(
+            {"condition": condition.name, "role": condition.role, "drive": protocol.control}
+            | {"largest": protocol.largest_drive, "unit": protocol.unit}
+            | {"duration_s": float(protocol.knot_time[-1]), "points": len(protocol.sample_time)}
+            for condition, protocol in ((each, each.protocol) for each in self.conditions)
+        )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the drive over time, dashed for validation, on `ax` or new axes, and return them."""
@@ -180,28 +164,11 @@ class NotebookStudy(Shown, Study):
         return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, conditions {names}>"
 
 
-def study_of(given: Study | Mapping[str, Any] | str | Path) -> NotebookStudy:
-    """Return the study that is meant by a study, a mapping or a YAML file.
-
-    Raises
-    ------
-    InputError
-        When it is none of these, or invalid.
-    """
-    if isinstance(given, NotebookStudy):
-        return given
+def study_of(given: Study | Mapping[str, Any] | str | Path) -> Study:
+    """Return the study that is meant by a study, a mapping or a YAML file; raises `InputError` where it is none."""
     if isinstance(given, Study):
-        return NotebookStudy.of(given)
-    if isinstance(given, Mapping):
-        return NotebookStudy.from_mapping(given)
-    if isinstance(given, str | Path):
-        return NotebookStudy.read(given)
-    raise _no_study(given)
-
-
-def _no_study(given: object) -> InputError:
-    remedy = "give a Study, a mapping or a YAML file; Study.draft makes one of recordings"
-    return InputError(f"{type(given).__name__} is no study", remedy=remedy, place="study")
+        return given
+    return NotebookStudy.from_mapping(given) if isinstance(given, Mapping) else NotebookStudy.read(given)
 
 
 def _drafted(given: OneTest) -> Drafted:
@@ -209,11 +176,10 @@ def _drafted(given: OneTest) -> Drafted:
     if isinstance(given, MeasuredTest):
         return Drafted.of(given.file, given.source, given.corrections)
     recording = recording_of(given)
-    return Drafted.of(Path(_origin(given)), VendorTest(recording.name, recording), None)
+    return Drafted.of(_origin(given), VendorTest(recording.name, recording), None)
 
 
-def _origin(given: OneTest) -> str:
-    """Return the name of a drafted study: that of the file without its ending, or of the recording."""
-    if isinstance(given, str | Path):
-        return Path(given).stem
-    return given.file.stem if isinstance(given, MeasuredTest) else recording_of(given).name or "recording"
+def _origin(given: OneTest) -> Path:
+    """Return after what a drafted study is named: the file without its ending, or the recording."""
+    file = given.file if isinstance(given, MeasuredTest) else given
+    return Path(file.stem if isinstance(file, Path) else recording_of(file).name or "recording")

@@ -1,4 +1,4 @@
-"""A temporary folder for drafts and simulated curves, until the process ends."""
+"""A temporary folder for drafts and simulated curves, which is removed when the process ends."""
 
 from __future__ import annotations
 
@@ -6,17 +6,14 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-
-def new_folder() -> Path:
-    """Return a new, empty folder that is removed when the process ends."""
-    return Path(tempfile.mkdtemp(dir=_session().name))
+KEPT = cache(lambda: tempfile.TemporaryDirectory(prefix="palpate-"))
 
 
 def kept_results() -> Path:
     """Return the folder of this process' simulated curves, so that a second calibration finds those of the first."""
-    return Path(_session().name) / "results"
+    return Path(KEPT().name) / "results"
 
 
-@cache
-def _session() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="palpate-")
+def new_folder() -> Path:
+    """Return a new, empty folder."""
+    return Path(tempfile.mkdtemp(dir=KEPT().name))

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from palpate.base.yaml_file import read_yaml
+from palpate.base.yaml_file import plain, read_yaml
 from palpate.errors import InputError, PalpateError, located_in
-from palpate.notebook.plain_values import plain
 from palpate.output.figures.style import RECORDED
 from palpate.output.shown import Shown, axes_for, extent, frame_of
 from palpate.recordings.recording import SYNTHETIC, Recording
@@ -29,30 +27,26 @@ class SimulatedCurve(Shown):
     ----------
     specification
         Everything on which the curve depends.
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm].
+    recording
+        The curve, which can be drafted and calibrated like a measured one.
     solver_seconds
         Wall time spent in the solver [s].
     """
 
     specification: Specification
-    time: np.ndarray
-    load: np.ndarray
-    depth: np.ndarray
+    recording: Recording
     solver_seconds: float
 
-    @property
-    def recording(self) -> Recording:
-        """The curve as a recording, which can be drafted and calibrated like a measured one."""
-        notes = (f"{SYNTHETIC}: simulated by palpate",)
-        return Recording(self.time, self.load, self.depth, name=f"simulated_{self.specification.model}", notes=notes)
+    time = property(lambda self: self.recording.time, doc="Time [s], shape (n,).")
+    load = property(lambda self: self.recording.load, doc="Load [mN], shape (n,).")
+    depth = property(lambda self: self.recording.depth, doc="Depth [nm], shape (n,).")
 
     def sentences(self) -> list[str]:
-        """Return sentences on it."""
+        """Return material, extent of the curve, settings and effects."""
         spec = self.specification
         return [
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
-            extent(self.load, self.depth, float(self.time[-1])),
+            extent(self.recording),
             f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.3g} s in the solver",
             *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items()),
         ]
@@ -125,17 +119,15 @@ def simulate(
     found = simulation.simulate(asked)
     if found.status != "ok":
         raise PalpateError(f"the simulation failed: {found.reason}")
-    return SimulatedCurve(asked, found.time, found.load, found.depth, found.solver_seconds)
+    name, notes = f"simulated_{asked.model}", (f"{SYNTHETIC}: simulated by palpate",)
+    return SimulatedCurve(asked, Recording(found.time, found.load, found.depth, name, notes), found.solver_seconds)
 
 
-def _asked(
-    specification: Specification | Mapping[str, Any] | str | Path | None, given: Mapping[str, Any]
-) -> Specification:
+def _asked(specification: Any, given: Mapping[str, Any]) -> Specification:
     """Return what to simulate, with the `given` sections in place of its own."""
     if isinstance(specification, Specification):
-        if given:
+        for name in given:
             remedy = "change the specification with dataclasses.replace, or give a mapping"
-            name = next(iter(given))
             raise InputError(f"{name} is given beside a whole specification", remedy=remedy, place=name)
         return specification
     file = specification if isinstance(specification, str | Path) else None

@@ -41,12 +41,12 @@ def text_table(frame: pd.DataFrame) -> str:
     return html_report.shown(frame).to_string(index=False)
 
 
-def extent(load: np.ndarray, depth: np.ndarray, duration: float) -> str:
-    """Return how long a curve of loads (n,) [mN] and depths (n,) [nm] lasts [s], and its largest load."""
-    peak = int(np.argmax(load))
+def extent(recording: Recording) -> str:
+    """Return how long a recording lasts, and its depth at the largest load."""
+    peak = int(np.argmax(recording.load))
     return (
-        f"{len(load)} points in {duration:.4g} s; at the largest load, {load[peak]:.4g} mN, the depth is "
-        f"{depth[peak]:.4g} nm"
+        f"{len(recording)} points in {np.ptp(recording.time):.4g} s; at the largest load, {recording.load[peak]:.4g} "
+        f"mN, the depth is {recording.depth[peak]:.4g} nm"
     )
 
 

@@ -1,8 +1,9 @@
 """An estimate of how long a study will take, before it runs: numbers of curves times what one costs.
 
 A calibration simulates curves and derivatives until it has converged, and a diagnosis does so for each explanation;
-neither number is known beforehand. The numbers here are those of the epoxy study and of a drafted study of a public
-recording (docs/measurements.md) on a free core, at ``accuracy: standard``; a study may well take half or twice as long.
+neither number is known beforehand. The numbers here are those of the epoxy study, of a small study with three
+mechanisms, and of a drafted study of a public recording (docs/measurements.md) on a free core, at ``accuracy:
+standard``; a study may well take half or twice as long, and a diagnosis of an unsuitable law three times.
 Replicates make the noise known, so that few sets of effects remain likely beside the best one; without them a
 diagnosis fits many. Under a pyramid snapshots and searches are those of the
 equivalent cone, and fits simulate a few curves of the pyramid besides.
@@ -20,13 +21,15 @@ from palpate.solver.store import conditions_by_shape
 CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.05  # s of processor time of one curve of 100 points
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
 CALIBRATION = 160  # curves of one condition
-EXPLANATION = 40  # curves of one condition for each mechanism that is considered, with replicates
-ALONE = 200  # the same without
+DIAGNOSIS = 280  # curves of one condition in any diagnosis
+EXPLANATION = 14  # further ones for each mechanism that is considered, with replicates
+ALONE = 180  # the same without
 FURTHER = 0.3  # of that, for each further condition: conditions are solved together
 PYRAMID = 21.0 / CREEP  # times that, one curve of the pyramid at few points: of the epoxy 21 s (docs/pyramid.md)
 PYRAMIDS = 3  # such curves of one condition, at most in a calibration (docs/pyramid.md), and about in a diagnosis
 STANDARD = "standard"  # the accuracy for which these times hold
 SURROGATE = 2.0  # s, of the surrogate of one condition
+START = 3.0  # s, until a job has imported what a calibration or a diagnosis needs
 OTHERS = {"laboratory": 20.0, "figures": 6.0, "report": 3.0, "tracking": 8.0}  # s, of the jobs of these rules
 COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
@@ -36,14 +39,15 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
     snapshots = cost * curves / cores
-    sets = [_together(cost, len(members)) for members in study.condition_sets.values()]
-    fits = len(study.recordings) * CALIBRATION * sum(sets)
+    sets = [_calibration(cost, len(members)) for members in study.condition_sets.values()]
+    fits = len(study.recordings) * sum(sets)
     mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
     explanations = sum(_diagnosis(study, cost, name) for name in study.recordings) if mechanisms else 0.0
     searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
     pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)
     accurate = cost * PYRAMID * pyramids
-    others = sum(OTHERS.values()) + SURROGATE * len(study.calibrated)
+    jobs = [seconds for rule, seconds in OTHERS.items() if rule != "laboratory" or study.laboratory]
+    others = sum(jobs) + SURROGATE * len(study.calibrated)
     total = snapshots + fits + explanations + accurate + others
     parts = [f"{curves} snapshots {time_in_words(snapshots)}"]
     parts += [f"calibration {time_in_words(fits)}"] if study.recordings else []
@@ -69,7 +73,7 @@ def job_seconds(study: Study, batches: int) -> dict[str, float]:
     return {
         "snapshots": cost * len(study.cells) * len(conditions_by_shape(study)) / max(batches, 1),
         "surrogate": SURROGATE,
-        "calibration": _together(cost, len(study.calibrated)) * CALIBRATION,
+        "calibration": _calibration(cost, len(study.calibrated)),
         "diagnosis": max((_diagnosis(study, cost, name) for name in study.recordings), default=0.0),
         **OTHERS,
     }
@@ -80,11 +84,16 @@ def _together(cost: float, conditions: int) -> float:
     return cost * (1.0 + FURTHER * (conditions - 1))
 
 
+def _calibration(cost: float, conditions: int) -> float:
+    """Return the time of a calibration on so many conditions [s]."""
+    return START + CALIBRATION * _together(cost, conditions)
+
+
 def _diagnosis(study: Study, cost: float, recordings: str) -> float:
     """Return the time of the diagnosis of a set of recordings [s]."""
     repeated = len(files_of(study, recordings)) >= 2 * len(study.conditions)
-    each = EXPLANATION if repeated else ALONE
-    return _together(cost, len(study.calibrated)) * each * len(candidates(study))
+    curves = DIAGNOSIS + (EXPLANATION if repeated else ALONE) * len(candidates(study))
+    return START + curves * _together(cost, len(study.calibrated))
 
 
 def _cost_of_curve(study: Study) -> float:
@@ -97,7 +106,7 @@ def _cost_of_curve(study: Study) -> float:
 
 def time_in_words(seconds: float) -> str:
     """Return a time with one digit, in seconds, minutes or hours."""
-    if seconds < 60.0:
+    if seconds < 90.0:
         return f"{max(float(f'{seconds:.1g}'), 1.0):.0f} s"
     if seconds < 3600.0:
         return f"{float(f'{seconds / 60.0:.1g}') if seconds < 600.0 else round(seconds / 60.0, -1):.0f} min"

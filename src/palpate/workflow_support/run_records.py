@@ -13,8 +13,9 @@ before_held_out_nm        the same of the base model, and before_fitted_nm
 noise_nm                  noise and scatter of the mean curves
 chi2_per_dof              chi-square per degree of freedom of the base model
 surrogate_nm              largest leave-one-out error of the surrogates, root mean square over the curve
-log_evidence, p_value     of an explanation
-probability               of the best explanation
+log_evidence, probability of an explanation; in a run of recordings that of the best one
+p_value                   of the base model
+inclusion.MECHANISM       probability that it acts; family_inclusion.FAMILY that any of its family does
 nothing_further           probability that nothing further acts
 discrepancy               standard deviation of the law's discrepancy, as a share of the depth
 ========================  ==============================================================================================

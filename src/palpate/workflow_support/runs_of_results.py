@@ -71,17 +71,19 @@ def of_diagnosis(content: Mapping[str, Any], study: Study, files: Sequence[str |
     of, name = {"recordings": content["recordings"]}, content["recordings"]
     tags = of | _verdict(content) | {"mlflow.note.content": content["sentence"]}
     settings = "; ".join(f"{key} {value}" for key, value in study.diagnosis.items())
-    metrics = {"p_value": content["p_value"]} | _errors(content)
     params = of_study(study)
-    whole = Run(
-        f"diagnosis of {name} - {content['verdict']}", "diagnosis", tags, params | {"settings": settings}, metrics
-    )
+    title, metrics = f"diagnosis of {name} - {content['verdict']}", _of_diagnosis(content)
+    whole = Run(title, "diagnosis", tags, params | {"settings": settings}, metrics)
     whole.files = list(map(str, files))
+    accepted = {tuple(each["mechanisms"]): each["parameters"] for each in content["candidates"]}
+    for members in list(accepted)[:1]:
+        accepted[members] = content["parameters"]["after"] | accepted[members]
     explanations = []
     for row in content["tried"]:
         title = " + ".join(MECHANISMS[key].title for key in row["mechanisms"]) or "base model"
         found = {"fitted_nm": row["rmse_nm"], "log_evidence": row["log_evidence"], "probability": row["probability"]}
         found |= row["parameters"] | row["material"]
+        found |= {key: each["estimate"] for key, each in accepted.get(tuple(row["mechanisms"]), {}).items()}
         found = {key: float(f"{value:.{DIGITS}g}") for key, value in found.items()}
         tags = {**of, "mechanisms": "+".join(row["mechanisms"]) or "none"}
         explanations.append(Run(f"{title} - explanation", "explanation", tags, params, found))
@@ -113,16 +115,12 @@ def _of_set(found: Answer, folder: Path) -> Run:
     content: Mapping[str, Any] = saved.diagnosis or {"verdict": "not diagnosed", "mechanisms": []}
     metrics = {entry["name"]: entry["estimate"] for entry in found.parameters}
     metrics |= {effect["name"]: effect["estimate"] for effect in found.effects}
-    metrics |= _errors(content) if saved.diagnosis else errors_of_base(found.calibration.content)
+    metrics |= _of_diagnosis(content) if saved.diagnosis else errors_of_base(found.calibration.content)
     metrics |= {"chi2_per_dof": found.calibration.content["misfit_ratio"]} | _worst(saved)
     if saved.accepted:
         metrics |= {"probability": saved.accepted[0]["probability"], "log_evidence": saved.accepted[0]["log_evidence"]}
-    if found.nothing_further:
-        metrics["nothing_further"] = found.nothing_further["probability"]
     if found.discrepancy:
         metrics["discrepancy"] = found.discrepancy["share"]
-    if found.diagnosis and found.diagnosis.inclusion:
-        metrics |= {f"inclusion.{key}": value for key, value in found.diagnosis.inclusion.items()}
     with_set = f"{saved.name}: " if len(study.recordings) > 1 else ""
     name = f"{with_set}{found.headline[0].lower()}{found.headline[1:]} - {study.surrogate['kernel']} - {_clock()}"
     tags = {"recordings": saved.name} | _verdict(content) | {"mlflow.note.content": found.sentence}
@@ -169,14 +167,27 @@ def _worst(saved: SavedSet) -> dict[str, float]:
 
 
 def _verdict(content: Mapping[str, Any]) -> dict[str, str]:
-    return {"verdict": content["verdict"], "mechanisms": "+".join(content["mechanisms"]) or "none"}
+    """Return verdict and identified effects, and whether the law lies within the tolerance, where that is known."""
+    within = {key: str(content[key]).lower() for key in ("law_within_tolerance",) if key in content}
+    return {"verdict": content["verdict"], "mechanisms": "+".join(content["mechanisms"]) or "none"} | within
+
+
+def _of_diagnosis(content: Mapping[str, Any]) -> dict[str, float]:
+    """Return what a diagnosis states in numbers: p-value, errors, probabilities and the discrepancy."""
+    found = {"p_value": content["p_value"]} | _errors(content)
+    for key, entry in (("nothing_further", "probability"), ("discrepancy", "share")):
+        if content.get(key):
+            found[key] = content[key][entry]
+    for key in ("inclusion", "family_inclusion"):
+        found |= {f"{key}.{name}": probability for name, probability in content.get(key, {}).items()}
+    return found
 
 
 def _errors(content: Mapping[str, Any]) -> dict[str, float]:
     """Return the errors of a diagnosis by role, before and after, where there are any, and the noise."""
     errors = {}
-    for role, words in ROLES.items():
-        for when, key in (("before", f"before_{words}_nm"), ("after", f"{words}_nm")):
+    for role, name in ROLES.items():
+        for when, key in (("before", f"before_{name}_nm"), ("after", f"{name}_nm")):
             if (value := content["fit"][role][f"{when}_rmse_nm"]) is not None:
                 errors[key] = value
     return errors | {"noise_nm": content["fit"]["noise_nm"]}

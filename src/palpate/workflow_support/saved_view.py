@@ -23,9 +23,10 @@ LAST = ("metrics.`surrogate_nm`", "params.`kernel`", "params.`law`", "metrics.`s
 EXPLAINED = (
     "tags.`recordings`", "tags.`mechanisms`", "metrics.`log_evidence`", "metrics.`probability`", "metrics.`fitted_nm`",
 )  # fmt: skip
-PARAMETERS = 4  # columns of the law's parameters
-WIDTH, WIDE = 110, 160  # pixels of a column, and of one with a long name
-LONG = 15  # letters of a long name
+PARAMETERS = 2  # columns of the law's parameters, so that the law itself is seen on a screen of 1600 pixels
+WIDTH, WIDE = 100, 140  # pixels of a column, and of one with a long name or long values
+LONG = 13  # letters of a long name
+LONG_VALUES = ("params.`law`", "tags.`mechanisms`")
 
 
 def state(parameters: list[str]) -> dict[str, Any]:
@@ -47,10 +48,15 @@ def _view(kind: str, order: str, columns: Sequence[str]) -> dict[str, Any]:
         "orderByAsc": False,
         "selectedColumns": list(columns),
         "columnOrder": list(columns),
-        "columnWidths": {name: WIDE if len(name.split("`")[1]) > LONG else WIDTH for name in columns},
+        "columnWidths": {name: WIDE if name in LONG_VALUES or _letters(name) > LONG else WIDTH for name in columns},
         "runListHidden": False,
         "viewMaximized": False,
     }
+
+
+def _letters(column: str) -> int:
+    """Return the length of the name that stands above a column, such as ``law`` of ``params.`law```."""
+    return len(column.split("`")[1])
 
 
 def write(client: Any, experiment: str, parameters: list[str]) -> None:

@@ -10,10 +10,9 @@ import pandas as pd
 
 from palpate.configuration.study_file import Study
 from palpate.output.figures.catalogue import FIGURES
-from palpate.output.html_report import image
 from palpate.output.report import study_page
 from palpate.output.saved_set import SavedSet
-from palpate.output.written_figures import stem_of
+from palpate.output.written_figures import shown, stem_of
 from palpate.workflow_support.result_files import write_json
 from palpate.workflow_support.saved_results import saved_sets
 
@@ -33,11 +32,7 @@ def write(study: Study, folder: Path, made_from: Mapping[str, Any]) -> list[Save
     def drawn(name: str, saved: SavedSet | None) -> str:
         figure = FIGURES[name]
         of = saved or next(iter(sets), None)
-        file = folder / "figures" / f"{stem_of(figure, of)}.svg" if of else None
-        if of is None or file is None or not file.is_file():
-            return ""
-        numbers = figure.table(of)
-        return "" if numbers is None else image(file, figure.seen(numbers), figure.caption(numbers))
+        return shown(figure, of, folder / "figures" / f"{stem_of(figure, of)}.svg") if of else ""
 
     snapshots = pd.read_csv(folder / "snapshots.csv")
     study_page.write(study, sets, drawn, snapshots, made_from, folder / "report.html")

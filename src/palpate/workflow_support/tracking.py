@@ -137,10 +137,10 @@ def _send(record: Mapping[str, Any], digest: str, results: Path) -> None:
         if made.info.status != "FINISHED":
             fill(client, made.info.run_id, run)
             client.set_terminated(made.info.run_id, end_time=run["ended"])
-    if told := record["parent"]:
+    if of_parent := record["parent"]:
         _keep_view(client, experiment, record)
-        log(client, parent, {"series": {}, "ended": max(run["ended"] for run in runs), **told})
-        for key, value in {**told["tags"], "mlflow.runName": told["name"]}.items():
+        log(client, parent, {"series": {}, "ended": max(run["ended"] for run in runs), **of_parent})
+        for key, value in {**of_parent["tags"], "mlflow.runName": of_parent["name"]}.items():
             client.set_tag(parent, key, value)
     if runs:
         client.set_terminated(parent, end_time=max(run["ended"] for run in runs))

@@ -1,59 +1,68 @@
-"""Aluminium from end to end: recorded and simulated curves, misfit, and parameters with intervals."""
+"""Aluminium from end to end: recorded and simulated curves, residuals, and parameters with intervals."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
-from palpate.output.figures.style import (
-    DOUBLE_COLUMN,
-    RECORDED,
-    SIMULATED,
-    SURROGATE,
-    mark_synthetic,
-    save,
-    styled,
-)
-from studies.thesis.figures.estimates import ALUMINIUM, interval
+from palpate.output.figures.paper_figure import PaperFigure
+from palpate.output.figures.style import ACCEPTED, BASE, RECORDED
+from studies.thesis.figures.estimates import ALUMINIUM, interval, ranged
 
-COLOURS = {"64": SIMULATED, "36": SURROGATE}
+LOOKS = {"64": ACCEPTED, "36": BASE}  # by the number of snapshots
 
 
-@styled
-def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
-    """Draw the fit of both surrogates on the left, parameters on the right, over the ranges searched."""
-    series, rows = outcome["series"], outcome["tables"]["parameters"]
-    figure = Figure(figsize=(DOUBLE_COLUMN, 3.2))
+def table(outcome: Mapping[str, Any]) -> pd.DataFrame:
+    """Return one row a point of the curves, then one a parameter and grid with interval, truth and range."""
+    series = outcome["series"]
+    curves = {"time_s": series["time"], "load_mN": series["load"], "recorded_nm": series["recorded"]}
+    curves |= {f"{source}_{grid}_nm": series[f"{source}_{grid}"] for grid in LOOKS for source in ("surrogate", "fe")}
+    parameters = ranged(outcome["tables"]["parameters"], series["bounds"])
+    return pd.concat([pd.DataFrame(curves), parameters], ignore_index=True)
+
+
+def draw(figure: Figure, frame: pd.DataFrame) -> None:
+    """Draw both fits on the left; on the right the parameters over the ranges searched."""
+    figure.set_figheight(3.4)
+    curves, parameters = frame[frame["time_s"].notna()], frame[frame["parameter"].notna()]
     left, right = figure.subfigures(1, 2, squeeze=False)[0]
-    upper, lower = left.subplots(2, 1, gridspec_kw={"height_ratios": [2, 1]})
-    recorded = np.array(series["recorded"])
-    upper.plot(recorded, series["load"], "o", color=RECORDED, ms=3, mfc="none", mew=0.6, label="recorded")
-    for grid, colour in COLOURS.items():
-        fit, solver = (np.array(series[f"{source}_{grid}"]) for source in ("surrogate", "fe"))
-        upper.plot(fit, series["load"], color=colour, lw=1, label=f"surrogate, {grid} points")
-        lower.plot(series["time"], fit - recorded, color=colour, lw=1)
-        lower.plot(series["time"], solver - recorded, ":", color=colour, lw=1)
-    lower.plot([], [], ":", color="0.3", label="finite elements, one mesh")
-    lower.legend(fontsize=6, loc="upper left", borderaxespad=0)
-    upper.set_xlabel("depth [nm]")
-    upper.set_ylabel("load [mN]")
-    upper.set_xlim(left=0)
-    upper.legend(fontsize=7)
-    lower.axhline(0, color="0.7", lw=0.6)
-    lower.set_xlabel("time [s]")
-    lower.set_ylabel("sim. - rec.\n[nm]")
-    for axis, (name, symbol) in zip(right.subplots(3, 1), ALUMINIUM.items(), strict=True):
-        for k, (grid, colour) in enumerate(COLOURS.items()):
-            row = next(r for r in rows if (r["snapshots"], r["parameter"]) == (grid, name))
-            interval(axis, row, k, colour)
-        axis.set_yticks([0, 1], [f"{grid} points" for grid in COLOURS])
-        axis.set_ylim(1.6, -0.6)
-        axis.set_xlim(*series["bounds"][name])
+    upper, lower = left.subplots(2, 1, height_ratios=[2, 1])
+    recorded = curves["recorded_nm"]
+    upper.plot(recorded, curves["load_mN"], "o", color=RECORDED, ms=3, mfc="none", mew=0.6, label="recorded")
+    for grid, look in LOOKS.items():
+        upper.plot(curves[f"surrogate_{grid}_nm"], curves["load_mN"], label=f"surrogate, {grid} points", **look)
+        lower.plot(curves["time_s"], curves[f"surrogate_{grid}_nm"] - recorded, **look)
+        solver = look | {"linestyle": ":"}
+        lower.plot(curves["time_s"], curves[f"fe_{grid}_nm"] - recorded, label=f"finite elements, {grid}", **solver)
+    upper.set(xlabel="depth [nm]", ylabel="load [mN]", xlim=(0, None))
+    lower.set(xlabel="time [s]", ylabel="residual [nm]")
+    upper.legend()
+    lower.legend()
+    for axis, (name, symbol) in zip(right.subplots(len(ALUMINIUM), 1), ALUMINIUM.items(), strict=True):
+        for _, row in parameters[parameters["parameter"] == name].iterrows():
+            interval(axis, row, list(LOOKS).index(row["snapshots"]), LOOKS[row["snapshots"]]["color"])
+        axis.set_yticks(range(len(LOOKS)), [f"{grid} points" for grid in LOOKS])
+        axis.set_ylim(len(LOOKS) - 0.4, -0.6)
         axis.set_xlabel(f"{symbol} [GPa]")
-    figure.suptitle("bars: 95 % intervals; open: not identified; dashed: truth", fontsize=8)
-    mark_synthetic(figure, True)
-    save(figure, path)
+
+
+def caption(frame: pd.DataFrame) -> str:
+    """Return what is drawn."""
+    return (
+        "Aluminium, calibrated on surrogates of 64 and of 36 snapshots. Left: load over depth, and simulated less "
+        "recorded depth; dotted: the finite elements at the same parameters. Right: estimates with 95 % intervals over "
+        "the ranges searched; open symbols: not identified; dashed: true value."
+    )
+
+
+def seen(frame: pd.DataFrame) -> str:
+    """Return how far the surrogates' curves lie from the recorded one."""
+    off = {grid: (frame[f"surrogate_{grid}_nm"] - frame["recorded_nm"]).abs().max() for grid in LOOKS}
+    texts = (f"{largest:.3g} nm on {grid} snapshots" for grid, largest in off.items())
+    return f"The fitted surrogates differ from the recorded curve by at most {' and '.join(texts)}."
+
+
+FIGURE = PaperFigure("aluminium", "Aluminium: calibration", table, draw, caption, seen)

@@ -1,24 +1,6 @@
 """Analysis of variance of chapter 4: contributions beside the thesis', and main effects."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
-
-from matplotlib.figure import Figure
-
-from palpate.output.figures.style import DOUBLE_COLUMN, save, styled
-from studies.thesis.figures.effects import contributions, main_effects
+from studies.thesis.figures.effects import analysis_of_variance
 from studies.thesis.figures.estimates import ALUMINIUM
 
-
-@styled
-def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
-    """Draw contributions on the left, main effects on both responses on the right."""
-    figure = Figure(figsize=(DOUBLE_COLUMN, 3.6))
-    left, right = figure.subfigures(1, 2, width_ratios=[1, 1.6], squeeze=False)[0]
-    contributions(left.subplots(), outcome["series"], ALUMINIUM)
-    main_effects(right.subplots(2, 3, sharey="row"), outcome["series"], ALUMINIUM, ("error [-]", "largest depth [nm]"))
-    figure.suptitle("Aluminium, modified L16 (error against synthetic recordings)", fontsize=9)
-    save(figure, path)
+FIGURE = analysis_of_variance("anova_aluminium", "Aluminium, modified L16", ALUMINIUM, "-")

@@ -3,27 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import RECORDED, SIMULATED, SURROGATE, save, styled, subplots
+import pandas as pd
+from matplotlib.figure import Figure
 
-STYLES = {"full factorial": (RECORDED, "s"), "Sobol": (SURROGATE, "o"), "Latin hypercube": (SIMULATED, "^")}
+from palpate.output.figures.paper_figure import PaperFigure
+from palpate.output.figures.style import RECORDED, SERIES, SIMULATED
+
+LOOKS = {"full factorial": (RECORDED, "s"), "Sobol": (SERIES[5], "o"), "Latin hypercube": (SIMULATED, "^")}
 
 
-@styled
-def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
+def table(outcome: Mapping[str, Any]) -> pd.DataFrame:
+    """Return one row a design and number of snapshots."""
+    return pd.DataFrame(outcome["series"]["rows"])
+
+
+def draw(figure: Figure, frame: pd.DataFrame) -> None:
     """Draw root mean square errors filled, largest errors open."""
-    figure, axis = subplots(figsize=(3.8, 2.8))
-    for design, (colour, marker) in STYLES.items():
-        own = [row for row in outcome["series"]["rows"] if row["design"] == design]
-        sizes = [row["snapshots"] for row in own]
-        axis.loglog(sizes, [row["rmse_nm"] for row in own], marker + "-", ms=4, color=colour, label=design)
-        axis.loglog(sizes, [row["largest_nm"] for row in own], marker + ":", ms=4, color=colour, mfc="none")
-    axis.set_xticks([72, 144, 288], ["72", "144", "288"])
+    figure.set_figheight(2.8)
+    axis = figure.subplots()
+    for design, (colour, marker) in LOOKS.items():
+        own = frame[frame["design"] == design]
+        axis.loglog(own["snapshots"], own["rmse_nm"], f"{marker}-", ms=4, color=colour, label=design)
+        axis.loglog(own["snapshots"], own["largest_nm"], f"{marker}:", ms=4, color=colour, mfc="none")
+    sizes = sorted(set(frame["snapshots"]))
+    axis.set_xticks(sizes, map(str, sizes))
     axis.minorticks_off()
-    axis.set_xlabel("snapshots")
-    axis.set_ylabel("error at unseen points [nm]")
-    axis.set_title("filled: root mean square; open: largest")
-    axis.legend(fontsize=7)
-    save(figure, path)
+    axis.set(xlabel="snapshots", ylabel="error at unseen points [nm]")
+    axis.legend()
+
+
+def caption(frame: pd.DataFrame) -> str:
+    """Return what is drawn."""
+    return (
+        "Error of the surrogate of one condition at points that no design contains, over the number of snapshots. "
+        "Filled, solid: root mean square; open, dotted: largest."
+    )
+
+
+def seen(frame: pd.DataFrame) -> str:
+    """Return the design of the smallest error."""
+    best = frame.sort_values("rmse_nm").iloc[0]
+    return f"The smallest error, {best['rmse_nm']:.2g} nm, has {best['design']} with {best['snapshots']} snapshots."
+
+
+FIGURE = PaperFigure("designs", "Designs of snapshots", table, draw, caption, seen, of_study=True)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
 
 from palpate.output.figures.style import TRUTH
 
@@ -18,8 +21,19 @@ EPOXY = {
 }
 
 
-def interval(axis, row: Mapping[str, Any], place: float, colour: str) -> None:
-    """Draw an estimate, open where the data do not determine it, with its interval at a `place` of the other axis."""
+def ranged(rows: Iterable[Mapping[str, Any]], ranges: Mapping[str, Sequence[float]]) -> pd.DataFrame:
+    """Return a row a parameter and fit with the range of the parameter beside it."""
+    return pd.DataFrame(
+        {**row, "range_from": ranges[row["parameter"]][0], "range_to": ranges[row["parameter"]][1]} for row in rows
+    )
+
+
+def interval(axis: Axes, row: pd.Series, place: float, colour: str) -> None:
+    """Draw an estimate, open where the data do not determine it, with its interval at a `place` of the other axis.
+
+    The axis shows the range of the parameter, and a dashed line the truth.
+    """
     axis.plot([row["lower"], row["upper"]], [place, place], color=colour, lw=1.6)
     axis.plot(row["estimate"], place, "o", color=colour, mfc=colour if row["identified"] else "white", ms=4.5)
     axis.axvline(row["truth"], color=TRUTH, ls="--", lw=1)
+    axis.set_xlim(row["range_from"], row["range_to"])

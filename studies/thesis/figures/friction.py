@@ -3,54 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, SIMULATED, SURROGATE, save, styled, subplots
+import pandas as pd
+from matplotlib.figure import Figure
 
-STYLES = {0.125: ("0.6", "o-", 3.5), 0.25: (SURROGATE, "o-", 3.5), 0.5: (SIMULATED, "s--", 6)}
-TITLES = {"max_depth": "largest depth", "residual_depth": "residual depth"}
+from palpate.output.figures.paper_figure import PaperFigure, legend_below
+from palpate.output.figures.style import BASE, RECORDED, SIMULATED
+
+LOOKS = {0.125: ("0.6", "o-", 3.5), 0.25: (BASE["color"], "o--", 3.5), 0.5: (SIMULATED, "s-", 6)}
+DEPTHS = {"max_depth": "largest depth", "residual_depth": "residual depth"}
+LOAD = 1.0  # mN, of the tests that are drawn
 
 
-@styled
-def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
-    """Draw both depths, for both kinematics; panels without curves say so."""
-    rows = outcome["series"]["rows"]
-    figure, axes = subplots(2, 2, figsize=(DOUBLE_COLUMN, 4.4), sharex=True)
-    for line, kinematics in zip(axes, ("small", "large"), strict=True):
-        for axis, depth in zip(line, ("max_depth", "residual_depth"), strict=True):
-            key = f"{depth}_reduction_percent"
-            drawn = False
-            for coefficient, (colour, style, size) in STYLES.items():
-                own = [
-                    row
-                    for row in rows
-                    if (row["kinematics"], row["friction"], row["max_load"]) == (kinematics, coefficient, 1.0)
-                    and row[key] is not None
-                ]
-                own.sort(key=lambda row: row["loading_time"])
-                times = [row["loading_time"] for row in own]
-                axis.semilogx(
-                    times,
-                    [row[key] for row in own],
-                    style,
-                    ms=size,
-                    mfc="none",
-                    color=colour,
-                    label=f"f = {coefficient:g}",
-                )
-                drawn = drawn or bool(own)
-            if drawn:
-                axis.axhline(0, color=RECORDED, lw=0.5)
-                axis.legend(fontsize=7)
-            else:
-                axis.set_axis_off()
-                axis.text(0.5, 0.5, "not run: see the verdict", ha="center", va="center", transform=axis.transAxes)
-            axis.set_xticks([30, 45, 60, 240], ["30", "45", "60", "240"], minor=False)
-            axis.minorticks_off()
-            axis.set_xlim(25, 300)
-            axis.set_title(f"{TITLES[depth]}, {kinematics} strains")
-        line[0].set_ylabel("shallower than without friction [%]")
+def table(outcome: Mapping[str, Any]) -> pd.DataFrame:
+    """Return one row a test, coefficient of friction and kind of strains."""
+    return pd.DataFrame(outcome["series"]["rows"])
+
+
+def draw(figure: Figure, frame: pd.DataFrame) -> None:
+    """Draw both depths, for small and large strains; panels without curves say so."""
+    figure.set_figheight(4.6)
+    axes = figure.subplots(2, 2, sharex=True)
+    for row, kinematics in zip(axes, ("small", "large"), strict=True):
+        for axis, (depth, title) in zip(row, DEPTHS.items(), strict=True):
+            _panel(axis, frame[frame["kinematics"] == kinematics], f"{depth}_reduction_percent")
+            axis.set_title(f"{title}, {kinematics} strains")
+        row[0].set_ylabel("reduction of the depth [%]")
     for axis in axes[-1]:
         axis.set_xlabel("loading time [s]")
-    save(figure, path)
+    legend_below(figure, axes[-1, 0])
+
+
+def _panel(axis, frame: pd.DataFrame, key: str) -> None:
+    known = frame[(frame["max_load"] == LOAD) & frame[key].notna()].sort_values("loading_time")
+    times = sorted(set(frame["loading_time"]))
+    for coefficient, (colour, style, size) in LOOKS.items():
+        own = known[known["friction"] == coefficient]
+        axis.semilogx(
+            own["loading_time"], own[key], style, ms=size, mfc="none", color=colour, label=f"f = {coefficient:g}"
+        )
+    axis.axhline(0, color=RECORDED, lw=0.5)
+    axis.set_xticks(times, [f"{time:g}" for time in times])
+    axis.minorticks_off()
+    if known.empty:
+        axis.text(0.5, 0.5, "not run", ha="center", va="center", transform=axis.transAxes)
+
+
+def caption(frame: pd.DataFrame) -> str:
+    """Return what is drawn."""
+    return (
+        f"By how much friction between tip and sample makes tests of {LOAD:g} mN shallower than without friction, over "
+        "the loading time, at the largest load and after unloading."
+    )
+
+
+def seen(frame: pd.DataFrame) -> str:
+    """Return the largest reduction of both depths."""
+    texts = (f"{title} by at most {frame[f'{depth}_reduction_percent'].max():.2g} %" for depth, title in DEPTHS.items())
+    return f"Friction reduces the {' and the '.join(texts)}."
+
+
+FIGURE = PaperFigure("friction", "Friction", table, draw, caption, seen, of_study=True)

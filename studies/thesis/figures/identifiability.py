@@ -3,51 +3,83 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from palpate.output.figures.style import DOUBLE_COLUMN, RECORDED, TRUTH, save, styled
+from palpate.base.parameters import in_words
+from palpate.output.figures.paper_figure import PaperFigure
+from palpate.output.figures.style import RECORDED, SMALLEST, TRUTH
 from studies.thesis.figures.estimates import EPOXY
 
 SYMBOLS = {**EPOXY, "poisson_ratio": r"$\nu$"}
-LIMIT = 3.84
+LIMIT = 3.84  # of chi-square with one degree of freedom, at 95 %
+FIXED, WIDEST = 0.25, 10.0  # half-widths below which a parameter is fixed, and above which no number is written
 
 
-@styled
-def draw(outcome: Mapping[str, Any], path: str | Path) -> None:
-    """Draw the map of widths above, profiles below."""
+def table(outcome: Mapping[str, Any]) -> pd.DataFrame:
+    """Return one row a set of tests and parameter with the half-width, then one a point of each profile."""
     series = outcome["series"]
-    figure = Figure(figsize=(DOUBLE_COLUMN, 5.2))
+    widths = [
+        pd.DataFrame({"tests": label, "parameter": series["names"], "half_width": row})
+        for label, row in series["widths"].items()
+    ]
+    profiles = [
+        pd.DataFrame({"parameter": name, "value": part["values"], "chi_square": part["chi_square"]})
+        .assign(truth=part["truth"])
+        for name, part in series["profiles"].items()
+    ]  # fmt: skip
+    return pd.concat([*widths, *profiles], ignore_index=True)
+
+
+def draw(figure: Figure, frame: pd.DataFrame) -> None:
+    """Draw the map of widths above, profiles below."""
+    figure.set_figheight(5.2)
     top, bottom = figure.subfigures(2, 1, height_ratios=[1.5, 1], squeeze=False)[:, 0]
-    _widths(top.subplots(), series)
-    profiles = series["profiles"]
-    for axis, (name, part) in zip(bottom.subplots(1, len(profiles), sharey=True), profiles.items(), strict=True):
-        axis.plot(part["values"], part["chi_square"], "o-", ms=2, color=RECORDED)
+    _widths(top.subplots(), frame[frame["tests"].notna()])
+    profiles = list(frame[frame["value"].notna()].groupby("parameter", sort=False))
+    for axis, (name, part) in zip(bottom.subplots(1, len(profiles), sharey=True), profiles, strict=True):
+        axis.plot(part["value"], part["chi_square"], "o-", ms=2, color=RECORDED)
         axis.axhline(LIMIT, color="0.6", lw=0.7, ls=":")
-        axis.axvline(part["truth"], color=TRUTH, lw=0.9, ls="--")
+        axis.axvline(part["truth"].iloc[0], color=TRUTH, lw=0.9, ls="--")
         axis.set_ylim(0, 10)
-        axis.set_xlabel(SYMBOLS[name])
+        axis.set_xlabel(SYMBOLS[str(name)])
         axis.xaxis.set_major_locator(MaxNLocator(2))
-        axis.tick_params(labelsize=7)
-    bottom.supylabel(r"profile $\chi^2$", fontsize=8)
-    save(figure, path)
+    bottom.supylabel(r"profile $\chi^2$")
 
 
-def _widths(axis, series) -> None:
-    values = np.array(list(series["widths"].values()))
+def _widths(axis: Axes, rows: pd.DataFrame) -> None:
+    values = rows.pivot_table("half_width", "tests", "parameter", sort=False)
     axis.imshow(np.log10(values), cmap="Greys", vmin=-2.5, vmax=1.5, aspect="auto")
-    for i, row in enumerate(values):
-        for k, value in enumerate(row):
-            text = f"{value:.2g}" if value < 10 else "> 10"
-            axis.text(
-                k, i, text, ha="center", va="center", fontsize=7, fontweight="bold" if value < 0.25 else "normal",
-                color="white" if value > 2 else "black",
-            )  # fmt: skip
-    axis.set_xticks(range(len(series["names"])), [SYMBOLS[name] for name in series["names"]])
-    axis.set_yticks(range(len(values)), series["widths"], fontsize=7)
+    for (i, k), value in np.ndenumerate(values.to_numpy()):
+        text = f"{value:.2g}" if value < WIDEST else f"> {WIDEST:g}"
+        weight, colour = "bold" if value < FIXED else "normal", "white" if value > 2 else "black"
+        axis.text(k, i, text, ha="center", va="center", fontsize=SMALLEST, fontweight=weight, color=colour)
+    axis.set_xticks(range(values.shape[1]), [SYMBOLS[str(name)] for name in values.columns])
+    axis.set_yticks(range(values.shape[0]), values.index)
     axis.tick_params(length=0)
-    axis.set_title("half-width of the 95 % interval over the parameter's range (bold: fixed)")
+
+
+def caption(frame: pd.DataFrame) -> str:
+    """Return what is drawn."""
+    return (
+        "Above: half-width of the 95 % interval of each parameter as a share of its range, by the set of tests; bold: "
+        f"below {FIXED:g}. Below: profile likelihoods of the four tests; dotted: the limit {LIMIT:g} of a 95 % "
+        "interval; dashed: true value."
+    )
+
+
+def seen(frame: pd.DataFrame) -> str:
+    """Return which parameters the first set of tests fixes."""
+    first = frame[frame["tests"] == frame["tests"].iloc[0]]
+    fixed = map(in_words, first[first["half_width"] < FIXED]["parameter"])
+    return f"{first['tests'].iloc[0]}: narrow intervals for {', '.join(fixed) or 'no parameter'}."
+
+
+FIGURE = PaperFigure(
+    "identifiability", "Which parameters the tests determine", table, draw, caption, seen, of_study=True
+)

@@ -1,14 +1,16 @@
-"""Draw the figure of one study of the thesis from its saved outcome."""
+"""Draw the figure of one study of the thesis from its saved outcome, with its numbers and caption beside it."""
 
-import importlib
+from pathlib import Path
 
+from palpate.output.written_figures import write_figure
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import read_json
+from studies.thesis.figures import FIGURES
 
 
 def main(snakemake):
-    figure = importlib.import_module(f"studies.thesis.figures.{snakemake.wildcards.key}")
-    figure.draw(read_json(snakemake.input[0]), snakemake.output[0])
+    stem = Path(snakemake.output[0]).with_suffix("")
+    write_figure(FIGURES[snakemake.wildcards.key], read_json(snakemake.input[0]), stem, True, ("svg", "pdf"))
 
 
 if "snakemake" in globals():

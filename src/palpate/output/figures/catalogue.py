@@ -4,7 +4,8 @@ from pathlib import Path
 
 from palpate.base.discovery import discover
 from palpate.output.figures.paper_figure import PaperFigure
+from palpate.output.saved_set import SavedSet
 
-FIGURES: dict[str, PaperFigure] = {
+FIGURES: dict[str, PaperFigure[SavedSet]] = {
     found.name: found for found in discover(__name__.rpartition(".")[0], [str(Path(__file__).parent)], "FIGURE")
 }

@@ -83,10 +83,10 @@ def caption(frame: pd.DataFrame) -> str:
     """Return what is drawn."""
     count = int(frame["tried"].iloc[0])
     which = f"The best {len(frame)} of {count} explanations" if count > len(frame) else f"The {count} explanations"
-    accepted = "dark bars are accepted" if frame["accepted"].any() else "none is accepted"
+    accepted = "Dark bars are accepted" if frame["accepted"].any() else "None is accepted"
     return (
         f"{which} that were fitted, by their log evidence relative to the base model; numbers at the right are "
-        f"relative to the best. Of these {accepted}. The probability of a set also counts its prior, which falls with "
+        f"relative to the best. {accepted}. The probability of a set also counts its prior, which falls with "
         "the number of effects."
     )
 

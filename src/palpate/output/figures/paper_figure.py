@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from palpate.output.saved_set import SavedSet
-
+Results = TypeVar("Results")
 BROAD = 4.0  # inches, from which on a legend has three columns
 
 
 @dataclass(frozen=True)
-class PaperFigure:
-    """One kind of figure of a study's results.
+class PaperFigure(Generic[Results]):
+    """One kind of figure of saved results, such as a `palpate.output.saved_set.SavedSet`.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ class PaperFigure:
     seen
         Returns what a look at the numbers shows, for those who cannot see the figure.
     of_study
-        Whether all sets of recordings have the same one.
+        Whether all sets of recordings have the same one, because it shows none of them.
     """
 
     name: str
     title: str
-    table: Callable[[SavedSet], pd.DataFrame | None]
+    table: Callable[[Results], pd.DataFrame | None]
     draw: Callable[[Figure, pd.DataFrame], None]
     caption: Callable[[pd.DataFrame], str]
     seen: Callable[[pd.DataFrame], str]

@@ -77,14 +77,6 @@ def headed(figure: Figure, title: str, synthetic: bool) -> None:
         figure.suptitle(marked, fontsize=SMALLEST, style="italic", color="0.35")
 
 
-def mark_synthetic(figure: Figure, synthetic: bool) -> None:
-    """Say on the figure itself that the recordings are not measured."""
-    if synthetic:
-        figure.text(
-            0.995, 0.995, "synthetic recordings", ha="right", va="top", color="0.35", fontsize=7, style="italic"
-        )
-
-
 def drawn(draw: Callable[..., None], *numbers: Any, width: float = DOUBLE_COLUMN) -> Figure:
     """Return a figure of a width [inch] on which `draw` has drawn; to be called within `styled` or the user's style."""
     figure = Figure(figsize=(width, 0.62 * width))

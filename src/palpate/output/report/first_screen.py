@@ -9,7 +9,6 @@ from palpate.base.parameters import in_words
 from palpate.base.rounding import interval_of, rounded, unit_html
 from palpate.output.html_report import definitions, paragraph
 from palpate.output.results.answer import Answer
-from palpate.output.results.diagnosis import effect_sentence
 
 
 def answer(found: Answer) -> str:
@@ -17,7 +16,7 @@ def answer(found: Answer) -> str:
     name = html.escape(found.saved.name)
     about = f"{found.law}, {found.tip}. {found.tests_in_words}."
     synthetic = " The recordings are synthetic, not measured." if found.saved.synthetic else ""
-    effects = "".join(f"<li>{html.escape(effect_sentence(effect))}</li>" for effect in found.effects)
+    effects = "".join(f"<li>{html.escape(text)}</li>" for text in found.effect_sentences)
     return "\n".join(
         [
             f'<section class="answer {found.verdict or "none"}" id="{name}">',
@@ -71,7 +70,7 @@ def overview(answers: Sequence[Answer]) -> str:
             for entry in found.parameters[:2]
         )
         errors = (found.held_out[key] for key in ("before_nm", "after_nm", "noise_nm"))
-        effects = "".join(f"<br>{html.escape(effect_sentence(effect))}" for effect in found.effects)
+        effects = "".join(f"<br>{html.escape(text)}" for text in found.effect_sentences)
         cells = [
             f'<a href="#{name}">{name}</a>',
             html.escape(f"{found.law}, {found.tip}; {found.tests_in_words}"),

@@ -31,7 +31,7 @@ MOST_PARTS = 12  # rows of the table of misfits
 Picture = Callable[[str], str]  # a figure by its name, with its caption, or nothing
 EXACT = {
     "model_free": (
-        "Facts without a model",
+        "Facts",
         "What the recordings show before any law of the material is fitted, with 95 % intervals. One in twenty of "
         "these misses the truth by chance; where an interval excludes what is found without any effect, the mechanisms "
         "that it suggests are listed.",
@@ -60,7 +60,7 @@ def sections(found: Answer, picture: Picture) -> list[tuple[str, list[str]]]:
         every.append(("Where the base model fails", _fails(found, picture)))
         every.append(("Explanations", _explanations(found, picture)))
         every.append(("Identifiability", _identifiability(found)))
-        every.append(("What exact laws show", _exact(found)))
+        every.append(("What the recordings show without a model", _exact(found)))
     every.append(("Calibration sets", _calibrations(found, picture)))
     return [(heading, pieces) for heading, pieces in every if pieces]
 
@@ -103,11 +103,11 @@ def _errors(found: Answer) -> str:
         row = {"condition": found.saved.labels[str(name)], "role": WORDS[part["role"].iloc[0]]}
         for key, words in curve_panels.MODELS.items():
             if (values := curve_panels.response(part, key)) is not None:
-                row[f"{words}, error"] = f"{rounded(float((values**2).mean() ** 0.5), 2)} {unit}"
+                row[words] = f"{rounded(float((values**2).mean() ** 0.5), 2)} {unit}"
         if (band := curve_panels.response(part, "band")) is not None:
             row["noise and scatter"] = f"{rounded(float((band**2).mean() ** 0.5) / residuals.COVERED, 2)} {unit}"
         rows.append(row)
-    return table(pd.DataFrame(rows), "Root mean square of recorded less simulated response")
+    return table(pd.DataFrame(rows), "Error of each condition: root mean square of recorded less simulated response")
 
 
 def _fails(found: Answer, picture: Picture) -> list[str]:
@@ -158,7 +158,7 @@ def _explanations(found: Answer, picture: Picture) -> list[str]:
         }
         for row in accepted.to_dict("records")
     )
-    caption = "Accepted explanations"
+    caption = "Accepted explanations, with the probability that these effects act and no others"
     pieces = [table(pd.DataFrame(rows), caption)] if len(accepted) else []
     tried = found.diagnosis.tried
     pieces.append(picture("explanations"))

@@ -107,6 +107,12 @@ class Answer:
         return self.diagnosis.effects if self.diagnosis else []
 
     @property
+    def effect_sentences(self) -> list[str]:
+        """Each effect with its interval and probability in words; of several explanations those of the best."""
+        best = "best explanation: " if self.verdict == "ambiguous" else ""
+        return [best + effect_sentence(effect) for effect in self.effects]
+
+    @property
     def parameters(self) -> list[dict[str, Any]]:
         """Free parameters of the accepted model in the law's order.
 
@@ -224,7 +230,7 @@ class Answer:
 
     def lines(self) -> list[str]:
         """Return law, verdict with effects, parameters, and error, a line each, for a terminal."""
-        effects = "; ".join(effect_sentence(effect) for effect in self.effects)
+        effects = "; ".join(self.effect_sentences)
         values = "; ".join(
             f"{quantity_in_words(entry['name'])} {interval_with_unit(entry)}"
             + ("" if entry["identified"] else " (not identified)")

@@ -137,8 +137,8 @@ class Calibration(Shown):
         beyond = [name for name in out if name not in at]
         limits = f"At a limit: {', '.join(map(in_words, at))}; the other estimates may compensate for it."
         ranges = (
-            f"Outside the plausible range: {', '.join(map(in_words, beyond))}. Check the range, and that the law suits "
-            "the material."
+            f"Estimates of the base model outside the plausible range: {', '.join(map(in_words, beyond))}. Check the "
+            "range, and that the law suits the material."
         )
         return " ".join(text for names, text in ((at, limits), (beyond, ranges)) if names)
 
