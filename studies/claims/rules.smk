@@ -1,9 +1,14 @@
-# How often claims are true, in closed form, in resumable groups; of some of the sets by --config sets=N:
-# snakemake --cores 2 claims
+# How often claims are true, in closed form, in resumable groups: snakemake --cores 2 claims
+# Of the groups that are there already: snakemake --cores 2 claims_so_far
+from pathlib import Path
+
 from studies.claims import COUNT, GROUP
 
 CLAIMS = "results/claims"
-CLAIMS_GROUPS = range(int(config.get("sets", COUNT)) // GROUP)
+CLAIMS_GROUPS = range(COUNT // GROUP)
+CLAIMS_DONE = sorted(
+    int(file.stem) for file in Path(f"{CLAIMS}/diagnoses").glob("*.json")
+)
 CLAIMS_STUDY = f"{HERE}/config/challenge.yaml"  # whose settings a diagnosis has
 
 
@@ -58,6 +63,27 @@ rule claims_summary:
         classes=f"{CLAIMS}/classes.csv",
     log:
         f"{CLAIMS}/logs/summary.log",
+    conda:
+        "../../envs/palpate.yaml"
+    params:
+        code=code("studies/claims/scripts/summary.py"),
+    script:
+        "scripts/summary.py"
+
+
+rule claims_so_far:
+    input:
+        study=CLAIMS_STUDY,
+        truths=expand(f"{CLAIMS}/sealed/{{group}}.json", group=CLAIMS_DONE),
+        diagnoses=expand(f"{CLAIMS}/diagnoses/{{group}}.json", group=CLAIMS_DONE),
+    output:
+        summary=f"{CLAIMS}/so_far/summary.csv",
+        sets=f"{CLAIMS}/so_far/sets.csv",
+        calibration=f"{CLAIMS}/so_far/calibration.json",
+        reliability=f"{CLAIMS}/so_far/reliability.csv",
+        classes=f"{CLAIMS}/so_far/classes.csv",
+    log:
+        f"{CLAIMS}/logs/so_far.log",
     conda:
         "../../envs/palpate.yaml"
     params:

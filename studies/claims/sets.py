@@ -28,7 +28,7 @@ from studies.coverage.sets import HOLDS, LOADING_TIMES, LOADS, UNLOADINGS, condi
 from studies.coverage.solid import MATERIAL, RANGES, BurgersSolid
 
 KINDS = ("none", *DEPARTURES)
-EFFECTS = (0, 1, 0, 2, 0, 1, 0, 0, 1, 0, 2, 0, 1, 0, 0, 1, 0, 2, 0, 1)  # of the library, in turn
+EFFECTS = (0, 1, 0, 2, 0, 1, 0, 0, 1, 0, 2, 0, 0, 0, 0, 1, 0, 2, 0, 1)  # of the library, in turn
 MISFIT = (0.001, 0.02)  # of the depth
 OWN = 0.2  # relative spread between recordings of what varies
 TESTS, REPLICATES = (3, 4, 5, 6), (2, 3, 4)
