@@ -59,3 +59,26 @@ def test_the_interval_holds_no_lag_where_there_is_none():
 def test_a_test_without_a_corner_shows_none():
     time = np.linspace(0.0, 30.0, 100)
     assert reversal_lag([Recording(time, time, np.sqrt(time))]) is None
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.06, 0.3])
+@pytest.mark.parametrize("cycles", [1, 3])
+def test_a_lag_of_a_body_that_yields_is_known_to_a_fifth_of_a_step(lag, cycles):
+    step, found = 0.05, []
+    for seed in range(4):
+        rng = np.random.default_rng([seed, cycles])
+        found.append(reversal_lag([yielding(rng, lag, cycles, step) for _ in range(3)]))
+    assert all(one.lower <= lag <= one.upper for one in found)
+    assert np.median([abs(one.lag - lag) for one in found]) < step / 5
+
+
+def yielding(rng, lag, cycles, step):
+    """A recording of a body that yields: depth as the square root of a load that acts `lag` seconds late."""
+    knots = np.concatenate([[0.0], *([20 * k + np.array([8.0, 10.0, 18.0]) for k in range(cycles)])])
+    loads = np.concatenate([[0.0], *([2.0, 2.0, 0.3] for _ in range(cycles))])
+    time = np.arange(0.0, knots[-1], step)
+    acting = np.interp(time - lag, knots, loads)
+    largest = np.maximum.accumulate(acting)
+    depth = 500 * np.sqrt(largest / 2) - 40 * (largest - acting)
+    load = np.interp(time, knots, loads) + 5e-4 * rng.standard_normal(len(time))
+    return Recording(time, load, depth + 0.1 * rng.standard_normal(len(time)))

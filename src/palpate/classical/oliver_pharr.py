@@ -125,7 +125,7 @@ def fit_unloading(load: np.ndarray, depth: np.ndarray) -> Unloading:
         )
     part, at = falling[keep], depth[begin:][keep]
     scale_h = float(at.max())
-    slope = float(np.polyfit(part / scale_p, at, 1)[0])
+    slope = float(np.polynomial.Polynomial.fit(part / scale_p, at, 1).convert().coef[-1]) if np.ptp(part) else 0.0
     if scale_h <= 0.0 or scale_h - 1.4 * slope < LOWEST[0] * scale_h:
         raise InputError(
             f"unloading from {scale_h:.4g} nm cannot recover {slope:.4g} nm",

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.base.sentences import and_more
+from palpate.classical.joslin_oliver import UNLIKE, different_materials, load_over_stiffness_squared
 from palpate.draft.drafted import Drafted
 from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.law_choice import POLYMER
@@ -20,7 +21,6 @@ from palpate.study.area_function import BERKOVICH
 
 NEAR = 0.05  # relative difference from the ideal tip's coefficient, within which a stated one is that
 NEAR_AREA = 1.25  # chosen: ratio to the ideal tip's area that a real Berkovich tip has at some depth
-UNLIKE = 3.0  # ratio of two tests' moduli from which on they seem to be of two materials
 SOFTEST_PLASTIC = 0.01  # GPa, chosen: below it a remark asks, and nothing is refused
 NamedMetadata = Sequence[tuple[str, Mapping[str, Any]]]
 
@@ -94,8 +94,12 @@ def _on_instrument(tests: NamedMetadata) -> list[str]:
 def _on_materials(recordings: Sequence[Recording], tip: KnownTip) -> list[str]:
     """Return a remark when tests of one draft seem to be of different materials, else none.
 
-    Where one begins off contact, its depth is not the body's, and no material is inferred.
+    Unloadings decide. Without them the depths do, unless one begins off contact, where its depth is not the body's.
     """
+    unloaded = [test for test in recordings if not math.isnan(load_over_stiffness_squared(test))]
+    if len(unloaded) == len(recordings):
+        found = different_materials(recordings)
+        return [f"{found}; draft a study of each"] if found else []
     if any(map(begins_off_contact, recordings)):
         return []
     moduli = [secant_modulus(recording, tip) for recording in recordings]

@@ -117,7 +117,8 @@ def peak_of(recording: Recording) -> tuple[float, float]:
 def secant_modulus(recording: Recording, tip: KnownTip, poisson_ratio: float = POISSON_RATIO) -> float:
     """Return the modulus [GPa] of an elastic body that is as deep at the largest load."""
     load, depth = peak_of(recording)
-    return load / tip.elastic_load(depth, poisson_ratio)
+    of_unit_modulus = tip.elastic_load(depth, poisson_ratio)
+    return load / of_unit_modulus if of_unit_modulus > 0.0 else math.inf
 
 
 def check_unit(recording: Recording, tip: KnownTip) -> None:

@@ -80,7 +80,7 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     Raises
     ------
     InputError
-        When fewer than six points lie between the start and the largest load.
+        When fewer than six points lie between the start and the largest load, or load or depth does not change there.
     """
     key = hashlib.sha256(np.concatenate([time, load, depth]).tobytes()).hexdigest()
     if key not in _FOUND:
@@ -97,6 +97,13 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
             remedy="export the approach too, or leave the vendor's contact (--contact file)",
             place="load_mN",
         )
+    for channel, what, place in ((load, "load", "load_mN"), (depth, "depth", "depth_nm")):
+        if not np.ptp(channel[first : last + 1]) > 0.0:
+            raise InputError(
+                f"the {what} does not change on the way to the largest load: there is no contact to find",
+                remedy="check which column it is, or keep all (--contact none)",
+                place=place,
+            )
     retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
     instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
     first = last + 1 - len(path)

@@ -234,11 +234,15 @@ def coarse(
 
 
 def _counting(guess: tuple[np.ndarray, np.ndarray], contact: float, depth: np.ndarray) -> int:
-    """Return how many points count: twelve at least, up to half of the law's largest load, all contacts within."""
+    """Return how many points count: twelve at least, up to half of the law's largest load, all contacts within.
+
+    All of them count where the depth does not change among these.
+    """
     depths, loads = guess
     reached = max(depths[int(np.argmax(loads >= UPPER * loads.max()))], contact + 0.1 * (depth.max() - contact))
     beyond = np.flatnonzero(np.maximum.accumulate(depth) > reached)
-    return max(int(beyond[0]) if len(beyond) else len(depth), min(len(depth), 12))
+    count = max(int(beyond[0]) if len(beyond) else len(depth), min(len(depth), 12))
+    return count if np.ptp(depth[:count]) > 0.0 else len(depth)
 
 
 def _at(guess: tuple[np.ndarray, np.ndarray], depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

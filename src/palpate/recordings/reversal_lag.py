@@ -35,6 +35,7 @@ TRIALS = 25  # lags, or times of a corner, before the minimum is refined
 FURTHEST = 0.5  # of the narrowest window's side, the largest lag
 STEEP = 1.5  # power of the time by which creep answers a new rate, between 1 (at once) and 2 (a Voigt element)
 ROUNDS = 4  # of Gauss and Newton
+MOST = 12  # corners of a test, those between the longest segments: noise of a load makes many short ones
 NORMAL_95 = float(ndtri(0.975))
 
 
@@ -98,7 +99,7 @@ def reversal_lag(recordings: Iterable[Recording]) -> ReversalLag | None:
 
 
 def _corners(recording: Recording) -> list[tuple[float, float, Recording]]:
-    """Return time and shorter neighbour [s] of each corner of a recording, with the recording; may be empty."""
+    """Return time and shorter neighbour [s] of the corners of a recording, with the recording; may be empty."""
     time, load = recording.time, recording.load
     try:
         parts = segments(time, load)
@@ -110,7 +111,7 @@ def _corners(recording: Recording) -> list[tuple[float, float, Recording]]:
         if not smooth and one.kind != "approach" and load[one.last] > LEAST_LOAD * load.max():
             shorter = min(one.duration, two.duration)
             found.append((_refined(time, load, one.end, MAIN * shorter), shorter, recording))
-    return found
+    return sorted(found, key=lambda corner: corner[1])[-MOST:]
 
 
 def _refined(time: np.ndarray, load: np.ndarray, corner: float, half: float) -> float:
@@ -138,19 +139,25 @@ def _estimate(tests: Sequence[list[_Corner]]) -> tuple[float, float, int] | None
     tests = [test for test in tests if test]
     if not tests:
         return None
-    values, halves = np.array([_of_test(test) for test in tests]).T
+    known = [found for test in tests if (found := _of_test(test))]
+    if not known:
+        return None
+    values, halves = np.array(known).T
     weights = halves**-2.0
     lag = float(weights @ values / weights.sum())
     half, count = float(weights.sum() ** -0.5), sum(map(len, tests))
-    if len(tests) > 1:
-        freedom = len(tests) - 1
+    if len(known) > 1:
+        freedom = len(known) - 1
         birge = np.sqrt(weights @ (values - lag) ** 2 * NORMAL_95**2 / freedom)
         half *= max(1.0, float(birge * stdtrit(freedom, 0.975) / NORMAL_95))
     return lag, half, count
 
 
-def _of_test(corners: Sequence[_Corner]) -> tuple[float, float]:
-    """Return the lag of one test, and half its 95 % interval: the least squares on trial, then Gauss and Newton."""
+def _of_test(corners: Sequence[_Corner]) -> tuple[float, float] | None:
+    """Return the lag of one test, and half its 95 % interval: the least squares on trial, then Gauss and Newton.
+
+    None where a load that never changes beside a corner leaves the lag open.
+    """
     side = FURTHEST * min(corner.since[-1] for corner in corners)
     trials = np.linspace(-side, side, TRIALS)
     lag = float(trials[int(np.argmin([sum(corner.left(lag) for corner in corners) for lag in trials]))])
@@ -163,6 +170,9 @@ def _of_test(corners: Sequence[_Corner]) -> tuple[float, float]:
             rest = corner.depth - own @ begin
             scale = max(float(np.sqrt(np.mean(rest**2))), 1e-12 * float(np.abs(corner.depth).max()))
             series.append(Series(rest / scale, slopes @ begin / scale, own))
-        found = shared_coefficient(series)
+        try:
+            found = shared_coefficient(series)
+        except np.linalg.LinAlgError:
+            return None
         lag, half = lag + float(np.clip(found.value, -step, step)), found.half
     return lag, max(half, 1e-9 * side)

@@ -9,17 +9,18 @@ import numpy as np
 
 from palpate.base.channel_noise import MEDIAN
 from palpate.base.sentences import and_more
+from palpate.classical.joslin_oliver import different_materials
 from palpate.configuration.prescribed_history import RECORDED
 from palpate.configuration.study_file import Condition
 from palpate.recordings.contact_interval import interval_of
 from palpate.recordings.contact_of_replicates import disagreeing, vague
-from palpate.recordings.lag import lag_at_reversals
 from palpate.recordings.pop_in import pop_ins
 from palpate.recordings.pull_off import pull_off
 from palpate.recordings.readers.in_air import air_at_start, suspects
 from palpate.recordings.readers.zero import begins_off_contact
 from palpate.recordings.recording import Recording
 from palpate.recordings.recording_file import other_files
+from palpate.recordings.reversal_lag import reversal_lag
 from palpate.study.protocol import LOAD
 from palpate.study.recorded_history import averaged_over, swing
 
@@ -30,7 +31,7 @@ CLEARLY_APART = 1.15  # chosen: likewise, where it is beyond the scatter of the 
 SCATTER = 6.0  # robust standard deviations
 FEWEST = 4  # tests that show their scatter
 STEPS, GAP = 20.0, 0.05  # median steps, and share of the test's duration: a longer time without points is reported
-LEAST_LAG = 0.5  # of a sampling step, chosen
+LEAST_LAG = 0.25  # of a sampling step, chosen: a smaller one changes no depth by more than the points tell
 MOST_TESTS = 20  # that are looked at for a lag
 LONGER = 1.05  # ratio of durations beyond which the end of a test is reported as ignored
 
@@ -38,20 +39,16 @@ LONGER = 1.05  # ratio of durations beyond which the end of a test is reported a
 def anomalies(condition: Condition, tests: Sequence[Recording]) -> Iterator[str]:
     """Report the anomalies of the tests of a condition.
 
-    A largest load that the study misstates; tests much deeper or shallower than the others, that begin elsewhere than
-    at contact, or in air, or last longer than the load that is followed; contacts that are vague or differ between
-    replicates; jumps of the depth, times without points, a lag of the depth, pulls on the tip, and loads that are
-    averaged as they are noisy or oscillate.
+    A largest load that the study misstates; tests of another material, much deeper or shallower than the others, that
+    begin elsewhere than at contact, or in air, or last longer than the load that is followed; contacts that are vague
+    or differ between replicates; jumps of the depth, times without points, a lag of the depth, pulls on the tip, and
+    loads that are averaged as they are noisy or oscillate.
     """
     yield from misstated(condition, tests)
     yield from _apart(tests)
-    for test in suspects([test for test in tests if interval_of(test) is None]):
-        yield from (f"{test.name}.csv: {warning}" for warning in air_at_start(test, OF_READ))
-    for test in filter(begins_off_contact, tests):
-        yield (
-            f"{test.name}.csv begins at a depth of {test.depth[0]:.4g} nm, not at contact: all of its depth counts "
-            f"({OF_READ})"
-        )
+    if unlike := different_materials(tests):
+        yield unlike
+    yield from _off_contact(tests)
     yield from disagreeing(tests)
     yield from vague(tests)
     yield from _jumps(tests)
@@ -95,6 +92,18 @@ def _apart(tests: Sequence[Recording]) -> Iterator[str]:
                 f"{test.name}.csv is {depth:.4g} nm deep, the median of its condition's tests {usual:.4g} nm: another "
                 "unit, zero point or material?"
             )
+
+
+def _off_contact(tests: Sequence[Recording]) -> Iterator[str]:
+    """Report the tests that begin in air, and those that begin elsewhere than at contact."""
+    sought = suspects([test for test in tests if interval_of(test) is None])
+    if in_air := [(test.name, told[0]) for test in sought if (told := air_at_start(test, OF_READ))]:
+        yield f"{in_air[0][0]}.csv{and_more(in_air)}: {in_air[0][1]}"
+    if off := list(filter(begins_off_contact, tests)):
+        yield (
+            f"{off[0].name}.csv{and_more(off)} begin{'' if len(off) > 1 else 's'} at a depth of {off[0].depth[0]:.4g} "
+            f"nm, not at contact: all of its depth counts ({OF_READ})"
+        )
 
 
 def passed_over(folder: Path) -> Iterator[str]:
@@ -148,16 +157,16 @@ def _gaps(tests: Sequence[Recording]) -> Iterator[str]:
 
 
 def _lagging(tests: Sequence[Recording]) -> Iterator[str]:
-    """Report a lag of the depth behind the load, or ahead of it, that the reversals of the tests show."""
-    found = lag_at_reversals([(test.time, test.load, test.depth) for test in tests[:MOST_TESTS]])
+    """Report a lag of the depth behind the load, or ahead of it, that the corners of the load's history show."""
+    found = reversal_lag(test.from_contact() for test in tests[:MOST_TESTS])
     step = float(np.median([np.median(np.diff(test.time)) for test in tests]))
     if found is None or found.lower <= 0.0 <= found.upper or abs(found.lag) < LEAST_LAG * step:
         return
     way = "behind" if found.lag > 0 else "ahead of"
     size, low, high = abs(found.lag), *sorted((abs(found.lower), abs(found.upper)))
     yield (
-        f"the depth lies {size:.2g} s {way} the load where it reverses ({low:.2g} to {high:.2g} s, {found.reversals} "
-        "reversals): a lag of the controller, or creep that follows at once"
+        f"the depth lies {size:.2g} s {way} the load where the load's rate changes ({low:.2g} to {high:.2g} s, "
+        f"{found.corners} corners): a lag of the controller (mechanism controller_lag)"
     )
 
 

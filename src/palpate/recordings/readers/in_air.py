@@ -194,7 +194,7 @@ def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
         ends += [back, _in_air_again(load, back, noise)]
     end = int(min(ends))
     rest = recording.depth[end:]
-    if rest.min(initial=0.0) >= -SHARE * depth.max():
+    if rest.min(initial=0.0) >= -SHARE * max(depth.max(), 0.0):
         return recording.at(slice(end)), _after_zero_load(recording, end)
     left = recording.load[end:]
     return recording.at(slice(end)), (
@@ -217,6 +217,8 @@ def _after_zero_load(r: Recording, end: int) -> tuple[str, ...]:
 
 def _in_air_again(load: np.ndarray, back: int, noise: float) -> int:
     """Return the point, before `back`, where the load has come down to its level in air from there on."""
+    if not load.max() > 0.0:
+        return back
     level = float(np.median(load[back:]))
     pressed = int(np.flatnonzero(load > PRESSED * load.max())[-1])
     fallen = np.flatnonzero(load[pressed:back] <= level + CLEAR * noise)

@@ -31,7 +31,8 @@ AVERAGED = re.compile(
     re.IGNORECASE,
 )
 ALIKE = 1e-3  # of a channel's range, chosen: the mean of rounded and interpolated curves is as near the others' mean
-APART = 5.0  # times that, chosen: by which some of the others lie off their mean
+UNLIKE = 0.03  # of the others' scatter about their mean, chosen: a replicate is seldom as near, in load and depth
+APART = 5.0  # times ALIKE, chosen: by which some of the others lie off their mean
 
 
 def set_aside(source: Source, test: VendorTest | Unreadable) -> VendorTest | Unreadable:
@@ -79,7 +80,8 @@ def _is_mean(curve: Recording, others: Sequence[Recording]) -> bool:
     for key in ("load", "depth"):
         values = [np.interp(time, clock, getattr(r, key)) for clock, r in zip(since, (curve, *others), strict=True)]
         mean, span = np.mean(values[1:], axis=0), float(np.ptp(values[0]))
-        if np.sqrt(np.mean((values[0] - mean) ** 2)) > ALIKE * span:
+        scatter = float(np.sqrt(np.mean((np.array(values[1:]) - mean) ** 2)))
+        if np.sqrt(np.mean((values[0] - mean) ** 2)) > min(ALIKE * span, UNLIKE * scatter):
             return False
         if key == "load" and max(float(np.abs(each - mean).max()) for each in values[1:]) < APART * ALIKE * span:
             return False
