@@ -145,6 +145,20 @@ def test_check_names_a_test_ten_times_as_deep_as_its_like(tmp_path, capsys):
     assert "A_1.csv is" not in said
 
 
+def test_check_tells_another_material_from_another_zero(tmp_path, capsys):
+    """A test four times as stiff and as deep as the others; then one of their kind whose depth begins elsewhere."""
+    time = np.linspace(0.0, 60.0, 81)
+    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
+    elastic = 400.0 * np.sqrt(load)
+    for number, depth in enumerate((elastic, 1.02 * elastic, 0.5 * elastic + 200.0 * (time > 0.0)), 1):
+        Recording(time, load, depth).write(tmp_path / f"A_{number}.csv")
+    said = checked(tmp_path, capsys, recordings={"lab": str(tmp_path)})
+    assert "the tests look like different materials" in said and "in A_3 and" in said
+    Recording(time, load, elastic + 900.0 * (time > 0.0)).write(tmp_path / "A_3.csv")
+    said = checked(tmp_path, capsys, recordings={"lab": str(tmp_path)})
+    assert "different materials" not in said and "A_3.csv is 1300 nm deep" in said
+
+
 @pytest.mark.parametrize(
     "folder", ["mine", ".", "results", "results/trial", "results/trial/lab", "results/x/recordings/y"]
 )

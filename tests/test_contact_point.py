@@ -232,3 +232,13 @@ def test_contact_chosen():
     assert any("contact found by palpate: at" in note for note in auto.notes)
     with pytest.raises(InputError, match="file, auto, none"):
         zeroed(read_vendor_file(KLA)[0], "automatic")
+
+
+@pytest.mark.parametrize("size", [12, 300])
+@pytest.mark.parametrize("constant", ["load", "depth"])
+def test_a_channel_that_never_changes_is_refused(size, constant):
+    noise = np.random.default_rng(size).standard_normal(size)
+    noise[-1] = 9.0
+    load, depth = (np.full(size, 3.0) if name == constant else noise for name in ("load", "depth"))
+    with pytest.raises(InputError, match=r"does not change on the way|points lie on the way in"):
+        first_touch(np.arange(size) / 10, load, depth)

@@ -262,7 +262,7 @@ def test_tests_that_look_like_different_materials_are_told(capsys):
         replace(test, depth=factor * test.depth).write(f"{name}.csv")
         assert drafted("good.csv", f"{name}.csv", "-o", name) == 0
     line = remark(Path("other"), capsys, "different materials")
-    assert "from 3 GPa (good.csv, good) to 12 GPa (other.csv, other)" in line
+    assert "0.0103 /GPa in other.csv, other and 0.0411 /GPa in good.csv, good" in line
     assert "different materials" not in Path("same/study.yaml").read_text()
 
 

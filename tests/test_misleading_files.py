@@ -9,7 +9,8 @@ import pytest
 
 from palpate.errors import InputError
 from palpate.recordings.contact_of_replicates import disagreeing
-from palpate.recordings.readers import ColumnMap, Unreadable, read_each, read_vendor_file
+from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, read_each, read_vendor_file
+from palpate.recordings.readers.tagged import averages
 from palpate.recordings.recording import Recording
 
 CASES = Path(__file__).parents[2] / "shared/cases/files"
@@ -63,6 +64,27 @@ def test_the_mean_of_the_specimens_is_no_specimen():
     assert "Eprouvette moyenne" in left_out
     assert [test.name for test in found if test.name not in left_out] == ["A1 1", "A1 2", "A1 3"]
     assert not any("call of its own" in str(test.error) for test in found if isinstance(test, Unreadable))
+
+
+def _replicates(rng, count):
+    """Tests of one method whose stiffness and zero scatter by some per cent of the depth."""
+    time = np.linspace(0.0, 60.0, 400)
+    load = np.minimum(time, 60.0 - time) / 30.0
+    factors, zeros = 1.0 + 0.01 * rng.standard_normal((2, count))
+    return [
+        VendorTest(f"test_{k}", Recording(time, zeros[k] * load, factors[k] * 500 * np.sqrt(load), f"test_{k}"))
+        for k in range(count)
+    ]
+
+
+def test_the_mean_is_known_by_its_numbers_and_no_replicate_is_taken_for_it():
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        tests = _replicates(rng, 16)
+        assert [test.name for test in averages(tests) if test.uncounted] == []
+        load, depth = (np.mean([getattr(test.recording, key) for test in tests], axis=0) for key in ("load", "depth"))
+        mean = VendorTest("whole", Recording(tests[0].recording.time, load.round(4), depth.round(1), "whole"))
+        assert [test.name for test in averages([*tests, mean]) if test.uncounted] == ["whole"]
 
 
 def test_the_library_s_own_reason_is_told():

@@ -144,8 +144,8 @@ def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
     bent = [WORDS[term] for term in WORDS if term in point.baseline_terms]
     because = f" (the load in air shows {', '.join(bent)})" if bent else ""
     return (
-        f"contact is known to {point.lower:.4g} to {point.upper:.4g} nm only, {wide / max(depth, 0.01 * wide):.0%} of the test's depth"
-        f"{because}: a diagnosis tries every zero of the depth within it",
+        f"contact is known to {point.lower:.4g} to {point.upper:.4g} nm only, {wide / max(depth, 0.01 * wide):.0%} of "
+        f"the test's depth{because}: a diagnosis tries every zero of the depth within it",
     )
 
 
