@@ -2,7 +2,7 @@
 
 A comment such as ``<!-- generated: laws -->`` in a page is replaced by what `GENERATED` returns under that name, and
 ``<!-- generated: source FILE -->`` by a file of the package; what is said of the epoxy study comes from
-`epoxy_results`. One page of the Python API is made for each package of ``src/palpate``.
+`epoxy_results`. One page of the Python API is made for each package of ``src``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import epoxy_results
 from markdown_pieces import number, span, table, unit
 
-SOURCE = Path(__file__).parents[1] / "src/palpate"
+SOURCE = Path(__file__).parents[1] / "src"
 MARK = re.compile(r"<!-- generated: (\w+)(?: ([\w./]+))? -->")
 FORMULA = re.compile(
     r'<(?P<tag>span|div) class="arithmatex">\\[(\[](?P<tex>.*?)\\[)\]]</(?P=tag)>', re.DOTALL
@@ -203,7 +203,7 @@ def subpackages() -> str:
         modules = [file] if file.is_file() else sorted((SOURCE / name).rglob("*.py"))
         lines = sum(len(module.read_text(encoding="utf-8").splitlines()) for module in modules)
         first = _first_line(_docstring(file if file.is_file() else SOURCE / name / "__init__.py"))
-        rows.append((f"`{name}`", first, len(modules), lines))
+        rows.append((f"`{name.removeprefix('palpate/')}`", first, len(modules), lines))
     return table(("subpackage", "what it holds", "files", "lines"), rows)
 
 
@@ -211,7 +211,7 @@ KINDS = {
     "law": ("src/palpate/materials", "LAW"),
     "mechanism": ("src/palpate/mechanisms", "MECHANISM"),
     "observable": ("src/palpate/observables", "OBSERVABLE"),
-    "reader": ("src/palpate/recordings/readers", "READER"),
+    "reader": ("src/indentation_files/readers", "READER"),
     "export format": ("src/palpate/output/export", "FORMAT"),
     "subcommand": ("src/palpate/cli", "NAME"),
     "figure": ("src/palpate/output/figures", "draw or compose"),
@@ -222,7 +222,7 @@ KINDS = {
 
 def extensions() -> str:
     """Return one row for each kind of extension: its folder, what a file defines, and which other files name one."""
-    root = SOURCE.parents[1]
+    root = SOURCE.parent
     trees = {
         file: ast.parse(file.read_text(encoding="utf-8"))
         for file in sorted([*SOURCE.rglob("*.py"), *root.glob("scripts/*.py"), *root.glob("studies/**/*.py")])
@@ -271,9 +271,10 @@ def _named(tree: ast.Module) -> Iterator[str]:
 
 
 def _order() -> list[str]:
-    """Return the subpackages as the test of the architecture lists them."""
-    text = (SOURCE.parents[1] / "tests/test_architecture.py").read_text(encoding="utf-8")
-    return re.search(r'ROOMS = """(.*?)"""', text, re.DOTALL)[1].split()  # type: ignore[index]
+    """Return the package of files, and the subpackages as the test of the architecture lists them, below ``src``."""
+    text = (SOURCE.parent / "tests/test_architecture.py").read_text(encoding="utf-8")
+    rooms = re.search(r'ROOMS = """(.*?)"""', text, re.DOTALL)[1].split()  # type: ignore[index]
+    return ["indentation_files", *(f"palpate/{name}" for name in rooms)]
 
 
 def _docstring(file: Path) -> str:
@@ -291,7 +292,7 @@ def packages() -> Iterator[tuple[str, Path]]:
     for subpackage in order:
         for init in sorted((SOURCE / subpackage).rglob("__init__.py")):
             if "__pycache__" not in init.parts:
-                yield ".".join(init.parent.relative_to(SOURCE.parent).parts), init.parent
+                yield ".".join(init.parent.relative_to(SOURCE).parts), init.parent
 
 
 def api_page(name: str, folder: Path) -> str:

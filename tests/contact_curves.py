@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import binomtest
 
-from palpate.recordings.contact_point import ContactPoint, first_touch
+from indentation_files.contact_point import ContactPoint, first_touch
 
 TIPS = ("sphere", "cone", "flat", "sphero_cone")
 DRIVES = ("piezo", "load", "depth")

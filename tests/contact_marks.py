@@ -25,9 +25,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.stats import binomtest
 
-from palpate.base.channel_noise import noise_of
-from palpate.recordings.contact_point import first_touch
-from palpate.recordings.readers import VendorTest, read_each
+from indentation_files.channel_noise import noise_of
+from indentation_files.contact_point import first_touch
+from indentation_files.readers import VendorTest, read_each
 
 BEFORE = 20
 LEFT = 6.0

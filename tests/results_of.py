@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 from test_config import load
 
+from indentation_files.recording import SYNTHETIC, Recording
 from palpate.output.saved_set import SavedSet
-from palpate.recordings.recording import SYNTHETIC, Recording
 
 NAMES = ("youngs_modulus", "steady_coefficient", "steady_exponent")
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from palpate.recordings.readers import ColumnMap
+from indentation_files.readers import ColumnMap
 
 TIME = np.linspace(0, 60, 61)
 FORCE = 1e3 * np.interp(TIME, [0, 30, 60], [0, 2, 0])

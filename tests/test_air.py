@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from indentation_files.contact_interval import interval_of, joint_interval
+from indentation_files.readers import ColumnMap, read_vendor_file
+from indentation_files.readers.in_air import air_at_start, suspects
+from indentation_files.readers.vendor import VendorTest
+from indentation_files.readers.zero import decision, zeroed, zeroed_each
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.configuration.study_file import Condition
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS, Scale
-from palpate.recordings.contact_interval import interval_of, joint_interval
-from palpate.recordings.readers import ColumnMap, read_vendor_file
-from palpate.recordings.readers.in_air import air_at_start, suspects
-from palpate.recordings.readers.vendor import VendorTest
-from palpate.recordings.readers.zero import decision, zeroed, zeroed_each
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording
 from palpate.solver.study_scale import with_contact_sought
 from palpate.study.protocol import trapezoid
 from palpate.workflow_support.data_quality import anomalies

@@ -5,10 +5,10 @@ import io
 import numpy as np
 import pytest
 
-from palpate.recordings.alignment import aligned, time_shift
-from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.vendor import usable
-from palpate.recordings.recording import Recording
+from indentation_files.readers.source import Source
+from indentation_files.readers.vendor import usable
+from indentation_files.recording import Recording
+from palpate.study.alignment import aligned, time_shift
 from palpate.study.protocol import trapezoid
 from palpate.study.recorded_history import recorded
 

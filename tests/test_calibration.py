@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Condition
 from palpate.data.measures import error_measures, mean_square, relative
 from palpate.data.observation import Observation
@@ -18,7 +19,6 @@ from palpate.inference.problem import Problem
 from palpate.inference.trust_region import descend, resumed
 from palpate.mechanisms import Scale
 from palpate.models.coordinates import Coordinate, Coordinates
-from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
 from palpate.surrogate.genetic import GeneticSettings
 from studies.thesis.surrogate_forward import SurrogateForward

@@ -14,9 +14,9 @@ import pandas as pd
 import pytest
 import yaml
 
+from indentation_files.recording_file import read_recording
 from palpate.configuration.study_file import load_study
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording_file import read_recording
 from palpate.study.protocol import trapezoid
 from studies.blind_trial import score
 from studies.blind_trial.cases import draw, seal

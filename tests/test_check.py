@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import yaml
 
+from indentation_files.recording import Recording
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study, study_from
-from palpate.recordings.recording import Recording
 from palpate.workflow_support.expected_time import expected, job_seconds
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"

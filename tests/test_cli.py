@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import yaml
 
-from palpate.base.overwrite import written_beside
+from indentation_files.overwrite import written_beside
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
-from palpate.recordings.recording_file import read_recording
 from palpate.solver import simulation
 
 CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"

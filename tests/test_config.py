@@ -10,12 +10,12 @@ import yaml
 from documents import HOOKS
 
 import palpate
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.configuration.schema import WITHOUT_LENGTH
 from palpate.configuration.study_file import load_study
 from palpate.errors import InputError
 from palpate.materials import LAWS
-from palpate.recordings.recording_file import read_recording
 from palpate.study.indenter import AREA, SHAPES
 from palpate.surrogate import KERNELS
 

@@ -6,11 +6,11 @@ from contact_curves import autoregressive
 from scipy.ndimage import median_filter
 from test_readers import KLA, XP, needs_recordings
 
+from indentation_files.contact_point import first_touch, loading, touch_at
+from indentation_files.readers import read_vendor_file
+from indentation_files.readers.zero import zeroed
+from indentation_files.sharp_origin import sharp_origin
 from palpate.errors import InputError
-from palpate.recordings.contact_point import first_touch, loading, touch_at
-from palpate.recordings.readers import read_vendor_file
-from palpate.recordings.readers.zero import zeroed
-from palpate.recordings.sharp_origin import sharp_origin
 
 CONTACT, RAMP = 37.0, 9e-5
 

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import block_diag, toeplitz
 
-from palpate.recordings.correlated_errors import CORRELATIONS, Series, shared_coefficient
+from indentation_files.correlated_errors import CORRELATIONS, Series, shared_coefficient
 
 
 def series(rng, lengths, rho, coefficient=0.5):

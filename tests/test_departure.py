@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from palpate.recordings import departure as settings
-from palpate.recordings.departure import departure
+from indentation_files import departure as settings
+from indentation_files.departure import departure
 
 CONTACT, AIR = 600.0, 1000.0
 

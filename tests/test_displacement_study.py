@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Condition, load_study
 from palpate.data.measures import error_measures
 from palpate.data.observation import Observation
@@ -18,10 +19,9 @@ from palpate.inference.problem import Problem
 from palpate.laboratory.virtual import disturbed
 from palpate.mechanisms import Scale
 from palpate.observables import OBSERVABLES, Quantity, response_to
-from palpate.recordings.alignment import aligned
-from palpate.recordings.recording import Recording
 from palpate.solver.simulation import Simulation
 from palpate.solver.store import address
+from palpate.study.alignment import aligned
 from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from
 from palpate.study.protocol import DISPLACEMENT, trapezoid

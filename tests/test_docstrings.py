@@ -10,7 +10,7 @@ from test_architecture import arguments
 SOURCE = Path(__file__).parents[1] / "src"
 MODULES = {
     ".".join(file.relative_to(SOURCE).with_suffix("").parts).removesuffix(".__init__"): ast.parse(file.read_text())
-    for file in sorted((SOURCE / "palpate").rglob("*.py"))
+    for file in sorted(SOURCE.rglob("*.py"))
 }
 NAMED = {
     f"{module}.{node.name}": ast.get_docstring(node) or ""

@@ -13,11 +13,11 @@ import yaml
 from documents import DOCS, HOOKS
 
 import palpate
+from indentation_files.readers import READERS
 from palpate.cli.main import command_line
 from palpate.configuration.study_file import study_from
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.readers import READERS
 from palpate.solver.simulation import KEYS, specification_from
 
 ROOT = Path(__file__).parents[1]
@@ -186,7 +186,7 @@ def test_what_is_generated_lists_every_law_mechanism_command_and_subpackage():
         for action in parser._actions[1:]:
             assert HOOKS._spelt(action) in shown
             assert action.help, f"{name} {action.dest} has no meaning"
-    assert all(f"| `{room}` |" in HOOKS.subpackages() for room in HOOKS._order())
+    assert all(f"| `{room.removeprefix('palpate/')}` |" in HOOKS.subpackages() for room in HOOKS._order())
 
 
 def test_what_a_change_touches_is_counted_in_the_code():

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_recording
 from palpate.analytic import sneddon
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
@@ -18,8 +20,6 @@ from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import Solid
 from palpate.errors import InputError
 from palpate.materials import LAWS
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import simulate
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from test_draft import MODULUS, elastic
 
+from indentation_files.pop_in import pop_ins
+from indentation_files.recording import Recording
 from palpate.analytic import hertz, sneddon
 from palpate.base.classes import levels
 from palpate.cli.main import main
@@ -14,8 +16,6 @@ from palpate.configuration.study_file import load_study
 from palpate.draft.grouping import grouped
 from palpate.draft.prescribed_drive import Drive, cut_off
 from palpate.draft.stated import Stated
-from palpate.recordings.pop_in import pop_ins
-from palpate.recordings.recording import Recording
 from palpate.study.protocol import DISPLACEMENT, trapezoid
 from palpate.study.recorded_history import MOST_KNOTS, averaged_over, recorded
 

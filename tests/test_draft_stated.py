@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 from test_readers import XP, needs_recordings
 
+from indentation_files.readers import read_vendor_file
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.remarks import not_taken
 from palpate.draft.solid import Solid
 from palpate.draft.stated import Stated, modulus_and_hardness
-from palpate.recordings.readers import read_vendor_file
 
 ROUNDED = {"Area Coefficient 1": "24.6954", "Area Coefficient 2": "395.770081", "Area Coefficient 3": "-16.1315828"}
 

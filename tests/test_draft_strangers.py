@@ -9,6 +9,7 @@ import yaml
 from test_draft import elastic
 from test_readers import ANON, HLD, XP, needs_recordings
 
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft.guesses import ranges
@@ -18,7 +19,6 @@ from palpate.draft.solid import Solid
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import scalar, study_name
 from palpate.materials import LAWS
-from palpate.recordings.recording_file import read_recording
 
 HEADER = "Indentation\n   Poisson's ratio(nu)=\t{}\nTime (s)\tPd (nm)\tFn (mN)\n"
 

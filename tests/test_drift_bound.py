@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from indentation_files.drift_rate import fastest_in
+from indentation_files.recording import Recording
+from indentation_files.segments import segments
 from palpate.diagnosis.constraints import laws_of
-from palpate.recordings.drift_rate import fastest_in
-from palpate.recordings.recording import Recording
-from palpate.recordings.segments import segments
 
 LOADING, HOLD = 10.0, 20.0
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from contact_curves import autoregressive
 
+from indentation_files.segments import segments
 from palpate.classical.frame import frame_by_oscillation, frame_compliance, frame_of, hodges_lehmann
-from palpate.recordings.segments import segments
 
 PEAKS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 

@@ -14,13 +14,13 @@ from matplotlib.axes import Axes
 from test_readers import ANON, LONG, needs_recordings
 
 import palpate
+from indentation_files.recording import Recording
 from palpate import Study, calibrate, diagnose, read_recording, read_recordings, simulate
 from palpate.base.fingerprint import closure
 from palpate.cli.main import main
 from palpate.errors import InputError
 from palpate.laboratory import virtual
 from palpate.notebook.study_tests import given_tests
-from palpate.recordings.recording import Recording
 
 REPOSITORY = Path(__file__).parent.parent
 MATERIAL = {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.35}

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 import yaml
 
+from indentation_files.readers import read_vendor_file
+from indentation_files.recording_file import read_recording
 from palpate.base.yaml_file import read_yaml
 from palpate.cli.main import main
 from palpate.configuration.study_file import study_from
 from palpate.errors import InputError, PalpateError
-from palpate.recordings.readers import read_vendor_file
-from palpate.recordings.recording_file import read_recording
 from palpate.workflow_support import manifest
 
 PALPATE = Path(sys.executable).parent / "palpate"

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import yaml
 
+from indentation_files.recording_file import read_recording
 from palpate.configuration.study_file import load_study
 from palpate.errors import PalpateError
 from palpate.laboratory import virtual
-from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid

@@ -5,11 +5,11 @@ import pytest
 from test_diagnosis import fitted, problem, recordings
 from test_frame_law import cycles
 
+from indentation_files.recording import Recording
 from palpate.diagnosis.constraints import contradicted, laws_of, zero_points
 from palpate.diagnosis.undetected import undetected_effects
 from palpate.errors import InputError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
-from palpate.recordings.recording import Recording
 
 
 def law(estimate, half, key="thermal_drift", parameter="rate"):

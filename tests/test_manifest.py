@@ -8,10 +8,10 @@ import pytest
 import yaml
 from test_check import ELASTIC
 
+from indentation_files.recording import Recording
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.data.study_recordings import convert_source, files_of
-from palpate.recordings.recording import Recording
 from palpate.workflow_support import manifest
 
 TIME = np.linspace(0.0, 60.0, 81)

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import yaml
 
+from indentation_files import recording_file
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_recording
 from palpate.cli import check
 from palpate.configuration.study_file import study_from
 from palpate.data import study_recordings
 from palpate.errors import InputError
-from palpate.recordings import recording_file
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording
 from palpate.solver import store
 
 STUDY = {

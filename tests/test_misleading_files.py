@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from indentation_files.contact_of_replicates import disagreeing
+from indentation_files.readers import ColumnMap, Unreadable, VendorTest, read_each, read_vendor_file
+from indentation_files.readers.tagged import averages
+from indentation_files.recording import Recording
 from palpate.errors import InputError
-from palpate.recordings.contact_of_replicates import disagreeing
-from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, read_each, read_vendor_file
-from palpate.recordings.readers.tagged import averages
-from palpate.recordings.recording import Recording
 
 CASES = Path(__file__).parents[2] / "shared/cases/files"
 NUMBERED = ColumnMap({"time": "1", "load": "2", "depth": "3"})

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from wilson import wilson
 
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
 from palpate.diagnosis.fact import Fact, in_words, suggestive
-from palpate.recordings.recording import Recording
 from palpate.study.protocol import trapezoid
 
 LOADS = (0.5, 2.0, 8.0)

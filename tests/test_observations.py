@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from test_config import CONDITION, TRUTH, load
 
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.data.study_recordings import check, check_given, check_tests, observations
 from palpate.errors import InputError
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording
 from palpate.study.protocol import trapezoid
 
 

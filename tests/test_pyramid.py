@@ -8,6 +8,7 @@ import pytest
 import yaml
 from derivatives import sensitivities
 
+from indentation_files.recording_file import read_recording
 from palpate.analytic import berkovich, scaling
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
@@ -17,7 +18,6 @@ from palpate.errors import InputError
 from palpate.inference.fitting import Fitter
 from palpate.inference.problem import Problem
 from palpate.models.finite_elements import FiniteElements
-from palpate.recordings.recording_file import read_recording
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.pyramid import newton_3d

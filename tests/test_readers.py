@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from indentation_files.readers import READERS, ColumnMap, read_vendor_file, select
+from indentation_files.readers.source import Source
+from indentation_files.readers.vendor import usable
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import READERS, ColumnMap, read_vendor_file, select
-from palpate.recordings.readers.source import Source
-from palpate.recordings.readers.vendor import usable
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording
 
 RECORDINGS = Path(__file__).parent.parent.parent / "shared/recordings"
 needs_recordings = pytest.mark.skipif(

@@ -5,9 +5,9 @@ import pytest
 from python_calamine import load_workbook
 from test_readers import RECORDINGS, needs_recordings
 
+from indentation_files.readers import read_vendor_file
+from indentation_files.readers.numbers_in_text import number
 from palpate.draft.stated import coefficients
-from palpate.recordings.readers import read_vendor_file
-from palpate.recordings.readers.numbers_in_text import number
 
 DIAMOND_MODULUS, DIAMOND_RATIO = 1141.0, 0.07
 

@@ -5,10 +5,10 @@ import pytest
 from test_readers import ANON, needs_recordings
 from workbooks import write_workbook
 
+from indentation_files.readers import read_each, read_vendor_file, select
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import read_each, read_vendor_file, select
-from palpate.recordings.recording_file import read_recording
 
 TIME = np.arange(0, 60, 0.1)
 LOAD = np.interp(TIME, [0, 30, 60], [0, 5, 0])

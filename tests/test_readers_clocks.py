@@ -7,9 +7,9 @@ import pytest
 from tables import NUMBERED
 from workbooks import write_workbook
 
+from indentation_files.readers import read_each, read_vendor_file
+from indentation_files.readers.clock import seconds
 from palpate.errors import InputError
-from palpate.recordings.readers import read_each, read_vendor_file
-from palpate.recordings.readers.clock import seconds
 
 STEP = 0.5025
 T = STEP * np.arange(100)

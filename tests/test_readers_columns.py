@@ -7,10 +7,10 @@ import pytest
 from tables import FORCE, NUMBERED, PATH, SHORT, TIME
 from workbooks import write_workbook
 
+from indentation_files.readers import ColumnMap, read_vendor_file
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_vendor_file
-from palpate.recordings.recording_file import read_recording
 
 NAMES = {"time": "t / s", "load": "Fn", "depth": "h"}
 MAP = ColumnMap(NAMES, {"load": "uN", "depth": "um"})

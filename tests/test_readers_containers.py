@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from test_readers import RECORDINGS, needs_recordings
 
+from indentation_files.readers import ColumnMap, read_each, read_vendor_file
+from indentation_files.readers.igor import is_wave, sampling
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_each, read_vendor_file
-from palpate.recordings.readers.igor import is_wave, sampling
 
 TIME = np.linspace(0, 60, 241)
 LOAD = np.interp(TIME, [0, 20, 40, 60], [0, 10, 10, 0])

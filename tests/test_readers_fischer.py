@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from indentation_files.readers import Unreadable, read_each, read_vendor_file
 from palpate.cli.main import main
-from palpate.recordings.readers import Unreadable, read_each, read_vendor_file
 
 TIME = np.arange(0.1, 60, 0.1)
 LOAD = np.interp(TIME, [0, 30, 60], [0.4, 300, 30])

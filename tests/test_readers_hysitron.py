@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from indentation_files.readers import read_vendor_file
+from indentation_files.readers.vendor import contact
 from palpate.cli.main import main
 from palpate.draft.stated import coefficients
 from palpate.errors import InputError
-from palpate.recordings.readers import read_vendor_file
-from palpate.recordings.readers.vendor import contact
 
 TIME = np.linspace(0, 20, 401)
 LOAD = np.interp(TIME, [0, 5, 10, 15, 20], [-0.002, -0.002, 5, 5, 0.5])

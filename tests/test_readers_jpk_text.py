@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from indentation_files.readers import read_vendor_file
 from palpate.draft.stated import Stated
 from palpate.errors import InputError
-from palpate.recordings.readers import read_vendor_file
 
 SPRING, SENSITIVITY = 0.05, 7e-8  # N/m, m/V
 COUNT = 400

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from tables import SHORT
 
+from indentation_files import recording
+from indentation_files.readers import lines, plain_numbers, read_vendor_file, source
+from indentation_files.readers.decimals import numbers
+from indentation_files.readers.lines import Lines
 from palpate.errors import InputError
-from palpate.recordings import recording
-from palpate.recordings.readers import lines, plain_numbers, read_vendor_file, source
-from palpate.recordings.readers.decimals import numbers
-from palpate.recordings.readers.lines import Lines
 
 POINTS = 600
 TIME = np.linspace(0.0, 60.0, POINTS)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from indentation_files.readers import ColumnMap, read_vendor_file
+from indentation_files.readers.afm import BY_PIEZO
 from palpate.draft.stated import Stated
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_vendor_file
-from palpate.recordings.readers.afm import BY_PIEZO
 
 SPRING, COUNT = 0.1, 300  # N/m, points of each direction
 WAY = np.linspace(0.0, 1000.0, COUNT)

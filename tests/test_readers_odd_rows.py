@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from workbooks import write_workbook
 
+from indentation_files.readers import ColumnMap, Unreadable, read_each, read_vendor_file
+from indentation_files.readers.several_tests import without_stand_ins
+from indentation_files.recording import Recording, copies
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, Unreadable, read_each, read_vendor_file
-from palpate.recordings.readers.several_tests import without_stand_ins
-from palpate.recordings.recording import Recording, copies
 
 HEAD = "Time (s);Load (mN);Depth (nm)"
 LOAD = [0, 1, 2, 3, 4, 4, 4, 4, 4, 3, 2, 1, 0]

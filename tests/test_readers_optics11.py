@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from indentation_files.readers import read_vendor_file
 from palpate.errors import InputError
-from palpate.recordings.readers import read_vendor_file
 
 STIFFNESS = 0.34  # N/m, which is nN/nm
 TIME = np.arange(0, 6, 0.01)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from workbooks import write_workbook
 
+from indentation_files.readers import ColumnMap, read_vendor_file
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_vendor_file
 
 TIME = np.linspace(0.0, 20.0, 101)
 LOAD = np.interp(TIME, [0.0, 10.0, 20.0], [0.0, 5.0, 0.0])

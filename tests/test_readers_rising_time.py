@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tables import NUMBERED
 
-from palpate.recordings.readers import read_vendor_file
-from palpate.recordings.readers.rising_time import increasing, stands_still
+from indentation_files.readers import read_vendor_file
+from indentation_files.readers.rising_time import increasing, stands_still
 
 ROWS = [f"{t}\t{min(t, 100 - t)}\t{10 * min(t, 100 - t)}" for t in range(101)]
 

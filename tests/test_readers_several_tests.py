@@ -4,9 +4,9 @@ import pytest
 from tables import FORCE, NUMBERED, PATH, SHORT, TIME
 from workbooks import write_workbook
 
+from indentation_files.readers import ColumnMap, read_each, read_vendor_file
+from indentation_files.readers.vendor import Unreadable
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_each, read_vendor_file
-from palpate.recordings.readers.vendor import Unreadable
 
 
 def below_one_another(*tests, heading="t,P,h"):

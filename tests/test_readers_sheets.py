@@ -7,9 +7,9 @@ import pytest
 from test_readers_workbooks import DEPTH, LOAD, TIME, kla, run, xp
 from workbooks import write_workbook
 
+from indentation_files.readers import Unreadable, read_each, read_source, read_vendor_file, select
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import Unreadable, read_each, read_source, read_vendor_file, select
 
 SUMMARY = [["Time Mean", "Load Mean", "x"], ["s", "mN", ""], [1.0, 1.0, ""], [2.0, 2.0, ""]]
 

@@ -7,9 +7,9 @@ import pytest
 from tables import FORCE, NUMBERED, PATH, TIME
 from workbooks import write_workbook
 
+from indentation_files.readers import ColumnMap, Unreadable, read_each, read_vendor_file
 from palpate.cli.main import main
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, Unreadable, read_each, read_vendor_file
 
 NAMES = ("Time (s)", "Load (uN)", "Depth (um)")
 NAMED = ColumnMap(dict(zip(("time", "load", "depth"), NAMES, strict=True)))

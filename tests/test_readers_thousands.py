@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tables import FORCE, PATH, SHORT, TIME
 
+from indentation_files.readers import read_vendor_file
 from palpate.errors import InputError
-from palpate.recordings.readers import read_vendor_file
 
 
 def english(value):

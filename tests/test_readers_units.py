@@ -5,8 +5,8 @@ import re
 import pytest
 from tables import FORCE, NUMBERED, PATH, TIME
 
+from indentation_files.readers import ColumnMap, read_vendor_file
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_vendor_file
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,11 @@ import pytest
 from test_readers import KLA, XP, needs_recordings
 from workbooks import write_workbook
 
+from indentation_files.readers import ColumnMap, read_each, read_source, read_vendor_file, select
+from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.data.study_recordings import convert_source
 from palpate.errors import InputError
-from palpate.recordings.readers import ColumnMap, read_each, read_source, read_vendor_file, select
-from palpate.recordings.recording_file import read_recording
 
 TIME = np.linspace(-20, 60, 801)
 LOAD = np.interp(TIME, [0, 30, 60], [0, 5, 0.2]) + 1e-4 * np.sin(np.arange(801) ** 2)

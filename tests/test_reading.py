@@ -5,16 +5,16 @@ import pytest
 import yaml
 from test_readers import ANON, needs_recordings
 
+from indentation_files.readers import locate, read_source, read_vendor_file
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_recording
+from indentation_files.survey import survey
 from palpate.configuration import study_file
 from palpate.configuration.study_file import load_study
 from palpate.data import study_recordings
 from palpate.data.study_recordings import convert_source
 from palpate.errors import InputError
 from palpate.output.recordings_page import write_reading
-from palpate.recordings.readers import locate, read_source, read_vendor_file
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_recording
-from palpate.recordings.survey import survey
 
 STUDY = {
     "study": "glass",

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from indentation_files.recording import Recording
+from indentation_files.recording_file import read_history, read_recording, recording_files
 from palpate.errors import InputError
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import read_history, read_recording, recording_files
 from palpate.study.recorded_history import MOST_KNOTS, recorded
 
 

@@ -5,10 +5,10 @@ import pytest
 from test_readers_workbooks import kla
 from workbooks import write_workbook
 
-from palpate.recordings.readers import ColumnMap, read_vendor_file
-from palpate.recordings.readers.vendor import VendorTest
-from palpate.recordings.readers.zero import zeroed
-from palpate.recordings.recording import Recording
+from indentation_files.readers import ColumnMap, read_vendor_file
+from indentation_files.readers.vendor import VendorTest
+from indentation_files.readers.zero import zeroed
+from indentation_files.recording import Recording
 
 RESTS = "the instrument rests without load for the first "
 UP, STEP = 30.0, 0.1

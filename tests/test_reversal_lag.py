@@ -5,8 +5,8 @@ import pytest
 from scipy.signal import lfilter
 from wilson import wilson
 
-from palpate.recordings.recording import Recording
-from palpate.recordings.reversal_lag import reversal_lag
+from indentation_files.recording import Recording
+from indentation_files.reversal_lag import reversal_lag
 
 COMPLIANCES = {
     "elastic": lambda age: np.ones_like(age),

@@ -15,8 +15,8 @@ import psutil
 import pytest
 import yaml
 
+from indentation_files.recording import Recording
 from palpate.cli.main import main
-from palpate.recordings.recording import Recording
 from palpate.workflow_support import killed_run
 
 ROOT = Path(__file__).parent.parent
@@ -313,5 +313,8 @@ def test_a_wheel_holds_the_workflow(tmp_path):
     for source in ("workflow/rules/*.smk", "scripts/*.py", "profiles/*/*.yaml", "envs/*.yaml"):
         files = [str(file.relative_to(ROOT)) for file in ROOT.glob(source)]
         assert files and {f"palpate/workflow/{file}" for file in files} <= names
+    packages = {file.relative_to(ROOT / "src").parts[0] for file in ROOT.glob("src/*/__init__.py")}
+    modules = {str(file.relative_to(ROOT / "src")) for name in packages for file in ROOT.glob(f"src/{name}/**/*.py")}
+    assert "indentation_files" in packages and modules <= names
     assert {"palpate/workflow/Snakefile", "palpate/workflow/config/config.yaml", "palpate/py.typed"} <= names
     assert not [name for name in names if name.startswith(("studies", "tests"))]

@@ -7,13 +7,13 @@ import pytest
 from contact_curves import autoregressive
 from test_readers import HLD, KLA, LONG, XP, needs_recordings
 
+from indentation_files.drift_rate import drift_rate, measured_in
+from indentation_files.readers import read_vendor_file
+from indentation_files.recording import Recording
+from indentation_files.segments import Segment, segments
+from indentation_files.survey import survey, table
 from palpate.errors import InputError
 from palpate.output.figures import recorded_test as figure_of_a_recording
-from palpate.recordings.drift_rate import drift_rate, measured_in
-from palpate.recordings.readers import read_vendor_file
-from palpate.recordings.recording import Recording
-from palpate.recordings.segments import Segment, segments
-from palpate.recordings.survey import survey, table
 
 
 def found_in(knots, loads, *, points=2000, noise=0.0, seed=0, contact=0):

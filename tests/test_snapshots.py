@@ -4,6 +4,7 @@ import copy
 import json
 import math
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -366,6 +367,13 @@ def test_fingerprint_ignores_comments_and_docstrings_but_not_formulas():
         assert canonical(same) == canonical(plain)
     for other in ('x = f"{2}"\n', 'y = f"{1}"\n', 'x = "1"\n'):
         assert canonical(other) != canonical(plain)
+
+
+@pytest.mark.parametrize("rule", ["calibration", "diagnosis", "vendor_recordings"])
+def test_a_changed_reader_changes_the_fingerprints_of_results_and_of_no_curve(rule):
+    reader = "kla.py"
+    assert reader in {file.name for file in closure(Path(__file__).parents[1] / f"scripts/{rule}.py")}
+    assert reader not in {file.name for file in closure("palpate.solver.simulation")}
 
 
 def test_addresses_know_all_code_that_decides_a_curve():

@@ -20,8 +20,8 @@ import pytest
 import yaml
 from snakemake import cli
 
+from indentation_files.recording_file import read_recording
 from palpate.configuration.study_file import study_from
-from palpate.recordings.recording_file import read_recording
 from palpate.solver.simulation import simulate_batch
 
 ROOT = Path(__file__).parent.parent

@@ -6,6 +6,7 @@ the complete log lies in ``.snakemake/log`` in any case.
 
 import logging
 import sys
+from typing import Any
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
@@ -30,7 +31,8 @@ class LogHandler(LogHandlerBase):
         except Exception:
             self.handleError(record)
 
-    def _emit(self, record: logging.LogRecord) -> None:
+    def _emit(self, record: Any) -> None:
+        """Tell the console of a record, whose attributes beyond those of `logging` depend on its event."""
         event = getattr(record, "event", None)
         if (
             self.common_settings.dryrun

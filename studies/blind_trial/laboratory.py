@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from indentation_files.recording import SYNTHETIC, Recording
 from palpate.configuration.study_file import Condition, Study
 from palpate.laboratory.virtual import correlated_noise, off_the_mesh
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording import SYNTHETIC, Recording
 from studies.blind_trial.cases import Case
 from studies.blind_trial.unknown import UNKNOWN, Curve
 

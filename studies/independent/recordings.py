@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from indentation_files.recording import SYNTHETIC, Recording
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording import SYNTHETIC, Recording
 from studies.blind_trial.cases import Case
 from studies.blind_trial.laboratory import REPLICATES, first_order
 from studies.independent.bodies import BODIES

@@ -5,7 +5,7 @@ A module that defines ``STUDY`` is a study; one that defines ``DESIGNS`` names s
 
 from __future__ import annotations
 
-from palpate.base.discovery import discover
+from indentation_files.discovery import discover
 from studies.thesis.runs import Curves, Design, compute
 from studies.thesis.study import Context, Finding, Outcome, ThesisStudy
 

@@ -9,7 +9,13 @@ from palpate.base.checksum import checksum
 from palpate.base.source_code import known, source_code
 
 SOURCE = Path(__file__).parents[2]
-DECIDE_NOTHING = ("palpate", "palpate.errors", "palpate.base.kernel_cache", "palpate.base.threads")
+DECIDE_NOTHING = (
+    "palpate",
+    "palpate.errors",
+    "indentation_files.errors",
+    "palpate.base.kernel_cache",
+    "palpate.base.threads",
+)
 
 
 @functools.cache

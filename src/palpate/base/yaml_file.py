@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import re
-import stat
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from indentation_files.regular_file import refuse_special
 from palpate.errors import InputError
 
 LARGEST, LONGEST = 100_000, 10_000_000  # entries and bytes, far above those of a study; more take minutes to read
@@ -62,21 +62,6 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float", EXPONENT, list("-+.0123456789"))
-
-
-def refuse_special(path: str | Path) -> None:
-    """Refuse what is there but is no regular file, such as a pipe, on which reading may wait for ever.
-
-    Raises
-    ------
-    InputError
-    """
-    try:
-        mode = os.stat(path).st_mode
-    except OSError:
-        return
-    if not stat.S_ISREG(mode):
-        raise InputError("is no regular file", remedy="give a file", file=path)
 
 
 def _size(node: yaml.Node, known: dict[int, float]) -> float:

@@ -21,10 +21,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from indentation_files.correlated_errors import Series, shared_coefficient
+from indentation_files.segments import Segment
 from palpate.classical.oliver_pharr import fit_unloading
 from palpate.errors import InputError
-from palpate.recordings.correlated_errors import Series, shared_coefficient
-from palpate.recordings.segments import Segment
 
 LOWEST = 0.01  # of the largest load, below which no stiffness of an oscillation is taken; chosen, like all that follow
 STARTS = (0.0, 0.05, 0.1, 0.2)  # of a test's largest load, below which unloadings are left out
@@ -139,7 +139,7 @@ def frame_compliance(tops_of_tests: Sequence[tuple[np.ndarray, np.ndarray]]) -> 
     C sqrt(P) is a straight line in sqrt(P) with the slope C_f. From six tests on, the slopes of single tests are
     combined by Hodges and Lehmann's estimate with Wilcoxon's interval, which one bad site does not move; fewer are
     fitted together, with an interval that allows for errors correlated along a test
-    (`palpate.recordings.correlated_errors`). Either is widened to how the slope moves when loads below 5, 10 or 20 % of
+    (`indentation_files.correlated_errors`). Either is widened to how the slope moves when loads below 5, 10 or 20 % of
     each test's largest are left out or all are kept: where hardness depends on depth, it shows there.
     """
     found = {start: _from_start(tops_of_tests, start) for start in STARTS}

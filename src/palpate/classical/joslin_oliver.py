@@ -13,9 +13,9 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 
+from indentation_files.recording import Recording
 from palpate.classical.oliver_pharr import fit_unloading
 from palpate.errors import InputError
-from palpate.recordings.recording import Recording
 
 UNLIKE = 3.0  # chosen: ratio from which on two tests seem to be of two materials; replicates differ by up to 1.5
 

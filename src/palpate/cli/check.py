@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from palpate.cli import path
 
 if TYPE_CHECKING:
+    from indentation_files.recording import Recording
     from palpate.configuration.study_file import Study
-    from palpate.recordings.recording import Recording
 
 NAME = "check"
 HELP = "check a study and its recordings, and estimate how long it takes"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 
-from palpate.cli import check, path, read, warn
+from indentation_files.command import column_map, reading_arguments
+from palpate.cli import check, path, warn
 
 NAME = "draft"
 HELP = "write a first study from recordings or instruments' files"
@@ -16,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "files", type=path, nargs="+", metavar="FILE|FOLDER", help="recordings, instruments' files, or folders of them"
     )
-    read.reading_arguments(parser)
+    reading_arguments(parser)
     parser.add_argument(
         "--law", type=_law, help="law of the material, such as burgers_plasticity (default: chosen from the tests)"
     )
@@ -57,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.errors import located_in
 
     with located_in(arguments.files[0]):
-        columns = read.column_map(arguments)
+        columns = column_map(arguments)
     tests = readable(arguments.files, warn, arguments.contact, arguments.corrections, columns)
     found = write_study(tests, arguments.output, study_name(arguments.output), warn, arguments.law, arguments.sphere)
     for remark in found.remarks:

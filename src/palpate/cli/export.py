@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the deck; nothing is left behind when the program cannot represent the specification."""
-    from palpate.base.overwrite import checked_output
+    from indentation_files.overwrite import checked_output
     from palpate.base.yaml_file import read_yaml
     from palpate.output.export import FORMATS
     from palpate.solver.simulation import specification_from

@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import io
 import os
 import pkgutil
-import re
 import sys
 from collections.abc import Iterator, Sequence
-from typing import Any, NoReturn
+from typing import Any
 
+from indentation_files.command import Parser
 from palpate import __version__, cli
 from palpate.base.threads import one_thread_each
 from palpate.errors import InputError, PalpateError, of_system
-
-
-class Parser(argparse.ArgumentParser):
-    """A parser whose complaints fit on one line, and to which -1e-3 is as much a number as -5."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings)
-        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-
-    def error(self, message: str) -> NoReturn:
-        """Print `message` and leave with exit code 2."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def discovered() -> Iterator[Any]:

@@ -21,9 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; exit code 1 when the solver fails."""
-    from palpate.base.overwrite import checked_output
+    from indentation_files.overwrite import checked_output
+    from indentation_files.recording import SYNTHETIC, Recording
     from palpate.base.yaml_file import read_yaml
-    from palpate.recordings.recording import SYNTHETIC, Recording
     from palpate.solver.simulation import simulate, specification_from
 
     path = arguments.specification

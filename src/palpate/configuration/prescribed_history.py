@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from indentation_files.readers import VendorTest
+from indentation_files.recording import Recording
+from indentation_files.recording_file import condition_of, read_history, read_recording, recording_files
 from palpate.configuration.source_section import conditions_of
 from palpate.errors import InputError
-from palpate.recordings.readers import VendorTest
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import condition_of, read_history, read_recording, recording_files
 from palpate.study.load_history import KEYS, SHAPES, control_from, protocol_from
 from palpate.study.protocol import LOAD, Protocol, drive_of
 from palpate.study.recorded_history import recorded

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from indentation_files.readers import locate
 from palpate.configuration.schema import suggestion
 from palpate.errors import InputError
-from palpate.recordings.readers import locate
 
 
 def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:

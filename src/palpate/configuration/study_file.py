@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.levels import checked_levels
@@ -20,7 +21,6 @@ from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms, known
 from palpate.observables import Observable, response_to
-from palpate.recordings.readers import VendorTest, read_source
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from indentation_files.recording import Recording
 from palpate.errors import InputError
 from palpate.observables import Observable, Quantity, response_to
 from palpate.observables.depth import DEPTH
-from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
 
 ROLES = ("calibrate", "validate")

@@ -7,12 +7,12 @@ from functools import partial
 
 import numpy as np
 
+from indentation_files.readers.units import CHANNELS, to_turn
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Condition, Study
 from palpate.data.observation import WHOLE
 from palpate.errors import InputError
-from palpate.recordings.alignment import aligned, stretched
-from palpate.recordings.readers.units import CHANNELS, to_turn
-from palpate.recordings.recording import Recording
+from palpate.study.alignment import aligned, stretched
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
 from palpate.study.recorded_history import averaged_noise

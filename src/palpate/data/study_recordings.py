@@ -6,15 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from indentation_files.recording import Recording, copies, stiffness_file
+from indentation_files.recording_file import condition_of, read_recording, recording_files
 from palpate.configuration.schema import suggestion
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.data.recording_checks import checked_recording
 from palpate.errors import InputError, located_in
 from palpate.observables.observable import Quantity
-from palpate.recordings.alignment import own_protocol, stretched
-from palpate.recordings.recording import Recording, copies, stiffness_file
-from palpate.recordings.recording_file import condition_of, read_recording, recording_files
+from palpate.study.alignment import own_protocol, stretched
 from palpate.study.protocol import Protocol
 
 Look = Callable[[str, str, list[Recording]], None]

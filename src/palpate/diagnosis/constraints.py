@@ -16,6 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from indentation_files.recording import Recording
+from indentation_files.sharp_origin import sharp_origin
+from indentation_files.survey import Survey, survey
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
 from palpate.configuration.study_file import Study
@@ -23,9 +26,6 @@ from palpate.errors import InputError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
-from palpate.recordings.recording import Recording
-from palpate.recordings.sharp_origin import sharp_origin
-from palpate.recordings.survey import Survey, survey
 from palpate.study.area_function import AreaFunction
 
 OF_HOLDS = (Assumption.ALL_CREEP_IS_KNOWN, Assumption.STEADY_DRIFT)

@@ -13,12 +13,12 @@ from itertools import chain
 
 import numpy as np
 
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Condition, Study
 from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.explanation import Fit
 from palpate.materials.flow.row import creeps
-from palpate.recordings.recording import Recording
 from palpate.solver.simulation import simulate_batch
 from palpate.solver.study_scale import middle
 

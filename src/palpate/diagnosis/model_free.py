@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from indentation_files.recording import Recording
+from indentation_files.reversal_lag import reversal_lag
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
@@ -17,8 +19,6 @@ from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.diagnosis.fact import Fact
 from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording import Recording
-from palpate.recordings.reversal_lag import reversal_lag
 from palpate.solver.study_scale import middle
 
 TITLES = {

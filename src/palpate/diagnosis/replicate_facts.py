@@ -4,7 +4,7 @@ The difference of recording r from the mean h of its condition is taken as
 
     h_r - h = z_r + D_r t + s_r h + noise,
 
-by least squares with correlated errors (`palpate.recordings.correlated_errors`). What the three coefficients scatter
+by least squares with correlated errors (`indentation_files.correlated_errors`). What the three coefficients scatter
 beyond their own errors is the scatter of zero points, of drifts and of sites. What all recordings have in common does
 not show here.
 """
@@ -17,14 +17,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import stdtrit
 
+from indentation_files.correlated_errors import Series, shared_coefficient
+from indentation_files.recording import Recording
 from palpate.base import small_samples
 from palpate.configuration.study_file import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.fact import Fact
 from palpate.diagnosis.scaling_facts import level
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.correlated_errors import Series, shared_coefficient
-from palpate.recordings.recording import Recording
 
 SCATTER = {
     "zero points, constant in time": ("nm", ("zero_offset",), 0.0),

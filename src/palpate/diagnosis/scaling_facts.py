@@ -17,11 +17,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from indentation_files.recording import Recording
 from palpate.base import small_samples
 from palpate.configuration.study_file import Condition
 from palpate.diagnosis.fact import Fact
 from palpate.mechanisms import Assumption, breaking
-from palpate.recordings.recording import Recording
 from palpate.study.protocol import Protocol
 
 LENGTHS = ("tip_rounding", "film_on_substrate", "size_effect", "adhesion", "skin")

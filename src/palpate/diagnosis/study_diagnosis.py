@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from indentation_files.recording import Recording
 from palpate.base.threads import on_one_thread
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import check, resampled
@@ -25,7 +26,6 @@ from palpate.diagnosis.undetected import joint_intervals, undetected_effects, wi
 from palpate.errors import InputError
 from palpate.inference.problem import Problem
 from palpate.models.own_loads import raise_failure
-from palpate.recordings.recording import Recording
 from palpate.solver.study_scale import with_contact_sought
 
 OWN_LOADS = "tests under loads of their own are compared with the help of the calibrated material"

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from palpate.base.channel_noise import noise_of
+from indentation_files.borne_load import check_borne
+from indentation_files.channel_noise import noise_of
+from indentation_files.provenance import provenance
+from indentation_files.pull_off import pull_off
+from indentation_files.readers import VendorTest
+from indentation_files.recording import BARELY_LOADED, Recording
+from indentation_files.segments import segments
 from palpate.data.recording_checks import NOISE_PEAK
 from palpate.draft.solid import peak_of
 from palpate.draft.yaml_text import printable
 from palpate.errors import InputError
-from palpate.recordings.borne_load import check_borne
-from palpate.recordings.provenance import provenance
-from palpate.recordings.pull_off import pull_off
-from palpate.recordings.readers import VendorTest
-from palpate.recordings.recording import BARELY_LOADED, Recording
-from palpate.recordings.segments import segments
 
 NEXT_POINT = 1.5  # sampling intervals within which the first point follows contact
 BRIEF = 0.005  # of the time to the largest load, within which an assumed loading is not reported

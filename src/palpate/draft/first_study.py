@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.base.overwrite import rolled_back_on_error
+from indentation_files.overwrite import rolled_back_on_error
+from indentation_files.recording import Recording, copies
 from palpate.configuration.study_file import Study, load_study
 from palpate.data.study_recordings import check_given
 from palpate.draft.drafted import Drafted
@@ -23,7 +24,6 @@ from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
 from palpate.errors import InputError
-from palpate.recordings.recording import Recording, copies
 
 LOOK = "look at it (palpate read FILE --survey), and export it again or leave it out"  # there is no study to correct
 Report = Callable[[str], None]

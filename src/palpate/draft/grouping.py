@@ -10,15 +10,15 @@ from string import ascii_lowercase
 import numpy as np
 from scipy.optimize import least_squares
 
+from indentation_files.recording import Recording
+from indentation_files.segments import Segment, segments
 from palpate.base.classes import classes_of, levels
 from palpate.data.observation import WHOLE
 from palpate.data.recording_checks import LOAD_TOLERANCE, check_drive
 from palpate.draft.methods import LOADED, end_of_loading, of_one_method, the_middle
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
-from palpate.recordings.alignment import aligned
-from palpate.recordings.recording import Recording
-from palpate.recordings.segments import Segment, segments
+from palpate.study.alignment import aligned
 from palpate.study.protocol import LOAD
 
 TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid

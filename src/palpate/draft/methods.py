@@ -13,10 +13,10 @@ from itertools import chain, pairwise
 
 import numpy as np
 
+from indentation_files.recording import Recording
 from palpate.base.classes import classes_of
 from palpate.data.recording_checks import LOAD_TOLERANCE
 from palpate.draft.prescribed_drive import Drive
-from palpate.recordings.recording import Recording
 from palpate.study.protocol import LOAD
 
 SHAPE = 0.05  # of the largest, root mean square, by which normalised histories of one method differ

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from indentation_files.corners import corners
+from indentation_files.recording import Recording
 from palpate.data.observation import WHOLE
 from palpate.data.recording_checks import LOAD_TOLERANCE
 from palpate.draft.stated import Stated
-from palpate.recordings.recording import Recording
-from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners, drive_of
+from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, drive_of
 from palpate.study.recorded_history import recorded
 
 STRAIGHT = 0.005  # of the largest, within which a channel that is prescribed follows a few straight lines

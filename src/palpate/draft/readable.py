@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from indentation_files.borne_load import check_borne
+from indentation_files.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, sound, zeroed_each
+from indentation_files.readers.vendor import attempt, first_few
+from indentation_files.recording import STIFFNESS_FOLDER
 from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
-from palpate.recordings.borne_load import check_borne
-from palpate.recordings.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, sound, zeroed_each
-from palpate.recordings.readers.vendor import attempt, first_few
-from palpate.recordings.recording import STIFFNESS_FOLDER
 
 
 def readable(
@@ -29,7 +29,7 @@ def readable(
     report
         Called with one line for what is left out, and for each warning of the readers.
     contact, corrections, columns
-        As for `palpate.recordings.readers.read_vendor_file`.
+        As for `indentation_files.readers.read_vendor_file`.
 
     Raises
     ------

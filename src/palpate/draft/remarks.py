@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from palpate.base.sentences import and_more
+from indentation_files.readers.zero import begins_off_contact
+from indentation_files.recording import Recording
+from indentation_files.sentences import and_more
 from palpate.classical.joslin_oliver import UNLIKE, different_materials, load_over_stiffness_squared
 from palpate.draft.drafted import Drafted
 from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.law_choice import POLYMER
 from palpate.draft.solid import Solid, secant_modulus
 from palpate.draft.stated import Stated, area_share, coefficients, of_instrument, poisson_ratio, radius_entry
-from palpate.recordings.readers.zero import begins_off_contact
-from palpate.recordings.recording import Recording
 from palpate.study.area_function import BERKOVICH
 
 NEAR = 0.05  # relative difference from the ideal tip's coefficient, within which a stated one is that

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from indentation_files.recording import Recording
 from palpate.classical import TipConstants, oliver_pharr
 from palpate.draft.known_tip import KnownTip
 from palpate.errors import InputError
-from palpate.recordings.recording import Recording
 
 POISSON_RATIO, OF_GELS = 0.35, 0.49  # guesses: of plastics; of gels and rubbers, which hardly change their volume
 STIFFEST = 1200.0  # GPa, a little above diamond

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any, TypeVar
 
+from indentation_files.readers.numbers_in_text import number
+from indentation_files.readers.units import SCALES, plain
 from palpate.errors import InputError
-from palpate.recordings.readers.numbers_in_text import number
-from palpate.recordings.readers.units import SCALES, plain
 from palpate.study.area_function import BERKOVICH
 from palpate.study.indenter import Indenter
 

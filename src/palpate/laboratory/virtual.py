@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from indentation_files.recording import SYNTHETIC, Recording
+from indentation_files.recording_file import recording_files
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import PalpateError
 from palpate.observables.observable import Quantity
-from palpate.recordings.recording import SYNTHETIC, Recording
-from palpate.recordings.recording_file import recording_files
 from palpate.solver.simulation import Simulation, simulate_batch
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification

@@ -1,7 +1,7 @@
 """Constitutive laws: every module of this folder that defines ``LAW`` is found by itself."""
 
+from indentation_files.discovery import discover
 from palpate.base import kernel_cache
-from palpate.base.discovery import discover
 from palpate.errors import InputError
 from palpate.materials.joined import joined
 from palpate.materials.law import Law

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from palpate.base.discovery import discover
+from indentation_files.discovery import discover
 from palpate.errors import InputError, part_of
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale

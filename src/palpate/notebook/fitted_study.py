@@ -54,7 +54,7 @@ def calibrate(
         A study, a mapping with the keys of one, or its YAML file.
     recordings
         The name of a set of the study; None for the only one that it has; or tests by the name of their condition, as
-        files, as `read_recording` or `simulate` return them, or as `palpate.recordings.recording.Recording`. Of a
+        files, as `read_recording` or `simulate` return them, or as `indentation_files.recording.Recording`. Of a
         study with a single condition tests may be given as they are.
     results
         Folder in whose ``store`` simulated curves are kept and looked for, such as ``results`` of the workflow; when

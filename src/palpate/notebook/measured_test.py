@@ -12,10 +12,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
-from palpate.errors import InputError, located_in
-from palpate.output.figures.recorded_test import by_segment
-from palpate.output.shown import Shown, axes_for, extent, frame_of
-from palpate.recordings.readers import (
+from indentation_files.readers import (
     CORRECTIONS,
     ColumnMap,
     Unreadable,
@@ -26,8 +23,11 @@ from palpate.recordings.readers import (
     sound,
     zeroed_each,
 )
-from palpate.recordings.readers.vendor import in_words
-from palpate.recordings.segments import Segment, segments
+from indentation_files.readers.vendor import in_words
+from indentation_files.segments import Segment, segments
+from palpate.errors import InputError, located_in
+from palpate.output.figures.recorded_test import by_segment
+from palpate.output.shown import Shown, axes_for, extent, frame_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
+from indentation_files.readers import VendorTest
 from palpate.base.parameters import in_words
 from palpate.base.yaml_file import plain
 from palpate.configuration.study_file import Study, load_study, study_from
@@ -21,7 +22,6 @@ from palpate.notebook.session import new_folder
 from palpate.notebook.study_tests import OneTest, recording_of, several
 from palpate.output.figures.style import SERIES
 from palpate.output.shown import Shown, axes_for
-from palpate.recordings.readers import VendorTest
 from palpate.study.indenter import RADIUS
 from palpate.study.protocol import LOAD
 

@@ -10,11 +10,11 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
+from indentation_files.recording import SYNTHETIC, Recording
 from palpate.base.yaml_file import plain, read_yaml
 from palpate.errors import InputError, PalpateError, located_in
 from palpate.output.figures.style import RECORDED
 from palpate.output.shown import Shown, axes_for, extent, frame_of
-from palpate.recordings.recording import SYNTHETIC, Recording
 from palpate.solver import simulation
 from palpate.study.specification import Specification
 

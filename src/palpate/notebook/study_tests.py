@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Study
 from palpate.data.recording_checks import checked_recording
 from palpate.data.study_recordings import check, check_source, check_tests, written_by_workflow
@@ -12,7 +13,6 @@ from palpate.errors import InputError
 from palpate.laboratory import virtual
 from palpate.notebook.measured_test import MeasuredTest, read_recording
 from palpate.notebook.simulated_curve import SimulatedCurve
-from palpate.recordings.recording import Recording
 
 OneTest = str | Path | MeasuredTest | SimulatedCurve | Recording
 Given = str | OneTest | Iterable[OneTest] | Mapping[str, OneTest | Iterable[OneTest]] | None

@@ -1,6 +1,6 @@
 """What tests are compared by: every module of this folder that defines ``OBSERVABLE`` is found by itself."""
 
-from palpate.base.discovery import discover
+from indentation_files.discovery import discover
 from palpate.observables.observable import Observable, Quantity
 from palpate.study.protocol import Protocol
 

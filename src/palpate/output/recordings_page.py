@@ -6,15 +6,15 @@ import html
 from collections import Counter
 from pathlib import Path
 
+from indentation_files.readers import read_source
+from indentation_files.readers.vendor import in_words
+from indentation_files.readers.zero import decision
+from indentation_files.survey import Survey, survey_each, table
 from palpate.classical.frame import frame_of
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError, located_in
 from palpate.output import html_report
 from palpate.output.figures.recorded_test import draw
-from palpate.recordings.readers import read_source
-from palpate.recordings.readers.vendor import in_words
-from palpate.recordings.readers.zero import decision
-from palpate.recordings.survey import Survey, survey_each, table
 
 
 def write_reading(study: Study, folder: Path) -> None:

@@ -8,10 +8,10 @@ from typing import Any
 
 import pandas as pd
 
+from indentation_files.recording import Recording
 from palpate.base.parameters import Parameter
 from palpate.configuration.study_file import Condition, Study
 from palpate.mechanisms import MECHANISMS
-from palpate.recordings.recording import Recording
 
 ALL = "all"  # the condition set of every calibrated condition
 

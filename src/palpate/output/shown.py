@@ -11,9 +11,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from indentation_files.recording import Recording
 from palpate.output import html_report
 from palpate.output.figures.style import DOUBLE_COLUMN, styled
-from palpate.recordings.recording import Recording
 
 
 class Shown:

@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from indentation_files.whole_file import written_whole
 from palpate.base.checksum import content_checksum
 from palpate.base.classes import classes_of
 from palpate.base.fingerprint import fingerprint
-from palpate.base.whole_file import written_whole
 from palpate.configuration.study_file import Condition, Study
 from palpate.errors import InputError, PalpateError
 from palpate.observables import OBSERVABLES

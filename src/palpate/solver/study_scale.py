@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from indentation_files.contact_interval import joint_interval
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Study
 from palpate.mechanisms import Scale
-from palpate.recordings.contact_interval import joint_interval
-from palpate.recordings.recording import Recording
 from palpate.solver.axisymmetric.contact_size import contact_range, expected_load, loaded_time, mean_pressure
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.protocol import Protocol

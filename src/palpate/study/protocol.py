@@ -190,21 +190,3 @@ def sampled(ends: Sequence[float] | np.ndarray, points: int) -> np.ndarray:
         raise InputError(f"points = {points} is too few", remedy="use at least two a segment", place="points")
     starts = np.concatenate([[0.0], ends[:-1]])
     return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in zip(starts, ends, counts, strict=True)])
-
-
-def corners(time: np.ndarray, drive: np.ndarray, allowed: float) -> np.ndarray:
-    """Return which points (n,) a piecewise linear history must keep to stay within `allowed` of all others."""
-    keep = np.zeros(len(time), dtype=bool)
-    keep[[0, -1]] = True
-    pending = [(0, len(time) - 1)]
-    while pending:
-        first, last = pending.pop()
-        if last - first < 2:
-            continue
-        chord = np.interp(time[first : last + 1], time[[first, last]], drive[[first, last]])
-        distance = np.abs(drive[first : last + 1] - chord)
-        worst = first + int(np.argmax(distance))
-        if distance.max() > allowed:
-            keep[worst] = True
-            pending += [(first, worst), (worst, last)]
-    return keep

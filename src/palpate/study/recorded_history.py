@@ -13,9 +13,10 @@ from scipy.ndimage import uniform_filter1d
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import lsqr
 
-from palpate.base.channel_noise import noise_of
+from indentation_files.channel_noise import noise_of
+from indentation_files.corners import corners
 from palpate.errors import InputError
-from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol, corners
+from palpate.study.protocol import DISPLACEMENT, LOAD, Protocol
 
 MOST_KNOTS = 500  # chosen: a simulation takes at least a step for each
 TOLERANCE = 1e-3  # of the largest drive, by which it may lie from its history

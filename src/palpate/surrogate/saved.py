@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.base.whole_file import written_whole
+from indentation_files.whole_file import written_whole
 from palpate.errors import PalpateError
 from palpate.surrogate.pod_rbf import PODRBF
 

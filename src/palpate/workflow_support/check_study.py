@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from indentation_files.recording import Recording
 from palpate.configuration.study_file import Study
 from palpate.data.measures import check_measurable
 from palpate.data.observation import Observation
@@ -17,7 +18,6 @@ from palpate.data.study_recordings import Look, check_given, resampled, written_
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
-from palpate.recordings.recording import Recording
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.study.indenter import check_cone

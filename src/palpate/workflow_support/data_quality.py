@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.base.channel_noise import MEDIAN
-from palpate.base.sentences import and_more
+from indentation_files.channel_noise import MEDIAN
+from indentation_files.contact_interval import interval_of
+from indentation_files.contact_of_replicates import disagreeing, vague
+from indentation_files.pop_in import pop_ins
+from indentation_files.pull_off import pull_off
+from indentation_files.readers.in_air import air_at_start, suspects
+from indentation_files.readers.zero import begins_off_contact
+from indentation_files.recording import Recording
+from indentation_files.recording_file import other_files
+from indentation_files.reversal_lag import reversal_lag
+from indentation_files.sentences import and_more
 from palpate.classical.joslin_oliver import different_materials
 from palpate.configuration.prescribed_history import RECORDED
 from palpate.configuration.study_file import Condition
-from palpate.recordings.contact_interval import interval_of
-from palpate.recordings.contact_of_replicates import disagreeing, vague
-from palpate.recordings.pop_in import pop_ins
-from palpate.recordings.pull_off import pull_off
-from palpate.recordings.readers.in_air import air_at_start, suspects
-from palpate.recordings.readers.zero import begins_off_contact
-from palpate.recordings.recording import Recording
-from palpate.recordings.recording_file import other_files
-from palpate.recordings.reversal_lag import reversal_lag
 from palpate.study.protocol import LOAD
 from palpate.study.recorded_history import averaged_over, swing
 

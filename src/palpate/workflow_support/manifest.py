@@ -10,11 +10,11 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from indentation_files.recording_file import recording_files
 from palpate.base.checksum import checksum
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import with_stiffness
 from palpate.errors import PalpateError
-from palpate.recordings.recording_file import recording_files
 from palpate.workflow_support.result_files import read_json
 
 NAME = "report.manifest.json"

@@ -12,8 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from indentation_files.whole_file import written_whole
 from palpate.base.checksum import checksum
-from palpate.base.whole_file import written_whole
 from palpate.errors import InputError, PalpateError
 
 SEAL, RULE = ".sha256", "# "  # ending of the file; what the line with the name of the rule begins with

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.recordings.recording_file import read_recording
+from indentation_files.recording_file import read_recording
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 from studies.verification.case import Outcome, Plot, PlottedSeries, Settings, Verification, depth, rms, worst

@@ -1,6 +1,6 @@
 """Input for other finite element programs: every module of this folder that defines ``FORMAT`` is found by itself."""
 
-from palpate.base.discovery import discover
+from indentation_files.discovery import discover
 from palpate.output.export.format import Format
 
 FORMATS: dict[str, Format] = {found.key: found for found in discover(__name__, __path__, "FORMAT")}

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from palpate.base.discovery import discover
+from indentation_files.discovery import discover
 from palpate.output.figures.paper_figure import PaperFigure
 from palpate.output.saved_set import SavedSet
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from indentation_files.readers.zero import FOUND
+from indentation_files.segments import Segment
+from indentation_files.survey import Survey
 from palpate.output.figures.style import DOUBLE_COLUMN, save, styled, subplots
-from palpate.recordings.readers.zero import FOUND
-from palpate.recordings.segments import Segment
-from palpate.recordings.survey import Survey
 
 COLOURS = {
     "approach": "#9a9a9a",

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from indentation_files.recording import Recording
 from palpate.base.parameters import in_words
 from palpate.base.rounding import interval_of, rounded
 from palpate.configuration.study_file import Study
@@ -20,7 +21,6 @@ from palpate.output.figures import curves as curves_figure
 from palpate.output.figures.curve_panels import of_fit
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
-from palpate.recordings.recording import Recording
 
 ERRORS = (*(f"rmse_{u}" for u in UNITS), "r2", *(f"mean_abs_error_{u}" for u in UNITS), "percent_error")
 

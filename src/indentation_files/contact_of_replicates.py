@@ -1,0 +1,84 @@
+"""Contacts that were sought in tests made alike: do they agree, and how well are they known."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from indentation_files.contact_interval import interval_of
+from indentation_files.recording import Recording
+from indentation_files.sentences import and_more
+
+AT = re.compile(r"contact found by palpate: at (\S+) nm")
+VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is reported
+
+
+@dataclass(frozen=True)
+class Sought:
+    """A contact that was sought, in the file's own counting of the depth.
+
+    Attributes
+    ----------
+    name
+        Of the recording.
+    depth, lower, upper
+        Contact and its 95 % interval [nm].
+    reach
+        Largest depth beyond it [nm].
+    """
+
+    name: str
+    depth: float
+    lower: float
+    upper: float
+    reach: float
+
+
+def sought_in(recordings: Sequence[Recording]) -> list[Sought]:
+    """Return the contacts of those recordings whose comments tell where in the file it was found."""
+    found = []
+    for recording in recordings:
+        at = next((match for note in recording.notes if (match := AT.match(note))), None)
+        interval = interval_of(recording)
+        if at and interval:
+            depth = float(at[1])
+            lower, upper = depth + interval[0], depth + interval[1]
+            found.append(Sought(recording.name, depth, lower, upper, float(recording.depth.max())))
+    return found
+
+
+def disagreeing(recordings: Sequence[Recording]) -> Iterator[str]:
+    """Report contacts of tests made alike that differ by more than their intervals.
+
+    Where they lie farther apart than the tests are deep the files count depth from elsewhere, as from a piezo's rest:
+    there they need not agree.
+    """
+    contacts = sought_in(recordings)
+    if len(contacts) < 2:
+        return
+    depths = np.array([one.depth for one in contacts])
+    usual = contacts[int(np.argsort(depths)[len(depths) // 2])]
+    if np.median(np.abs(depths - usual.depth)) > min(one.reach for one in contacts):
+        return
+    odd = [one for one in contacts if one.lower > usual.upper or one.upper < usual.lower]
+    if odd:
+        first = max(odd, key=lambda one: abs(one.depth - usual.depth))
+        theirs, others = (f"{one.depth:.4g} ({one.lower:.4g} to {one.upper:.4g})" for one in (first, usual))
+        yield (
+            f"{first.name}.csv{and_more(odd)}: contact was found at {theirs} nm of the file, that of replicates at "
+            f"{others}: look at both (`palpate read --survey`)"
+        )
+
+
+def vague(recordings: Sequence[Recording]) -> Iterator[str]:
+    """Report contacts whose interval is wider than a tenth of the test's depth."""
+    wide = [one for one in sought_in(recordings) if one.upper - one.lower > VAGUE * one.reach]
+    if wide:
+        first = max(wide, key=lambda one: (one.upper - one.lower) / one.reach)
+        yield (
+            f"{first.name}.csv{and_more(wide)}: contact is known to {(first.upper - first.lower) / first.reach:.0%} of "
+            "the test's depth only; a diagnosis tries every zero of the depth within it"
+        )

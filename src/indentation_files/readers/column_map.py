@@ -1,0 +1,72 @@
+"""Which columns of a table hold time, load and depth, as the user says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from indentation_files.errors import InputError
+from indentation_files.readers.tables import Table
+from indentation_files.readers.units import CHANNELS, plain, scale
+
+
+@dataclass(frozen=True)
+class ColumnMap:
+    """Which columns hold what.
+
+    Parameters
+    ----------
+    names
+        Name of the column, or its number from 1, for each of ``time``, ``load`` and ``depth``.
+    units
+        Their units, where the table states none or wrong ones; ``-mN`` turns the sign. s, mN and nm where neither
+        says more.
+    """
+
+    names: Mapping[str, str]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for key in CHANNELS:
+            if key not in self.names:
+                raise InputError(
+                    f"no column is named for {key}",
+                    remedy=f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed",
+                    place="columns",
+                )
+        for given, place in ((self.names, "columns"), (self.units, "units")):
+            for key in given:
+                if key not in CHANNELS:
+                    raise InputError(f"{key!r} is no channel", remedy="use time, load and depth", place=place)
+        owners: dict[str, str] = {}
+        for key, name in self.names.items():
+            if name in owners:
+                raise InputError(
+                    f"{owners[name]} and {key} are both {name!r}", remedy="name a column for each", place="columns"
+                )
+            owners[name] = key
+        for key, unit in self.units.items():
+            scale(key, unit)
+
+
+def called(cell: object) -> str:
+    """Return a column's name as it is compared: single blanks, and no sign of a comment, ``#`` or ``%``, before it."""
+    return " ".join(plain(str(cell)).lstrip("#% ").split())
+
+
+def columns_of(table: Table, columns: ColumnMap) -> tuple[int | None, list[int]] | None:
+    """Return the header's row, None for columns by number, and the index of each channel; None without the columns."""
+    given = [columns.names[key].strip() for key in CHANNELS]
+    if all(name.isdecimal() and int(name) > 0 for name in given):
+        return None, [int(name) - 1 for name in given]
+    wanted = [called(name) for name in given]
+    for number in table.aside:
+        cells = [called(cell) for cell in table.rows[number]]
+        if all(name in cells for name in wanted):
+            for name in wanted:
+                if cells.count(name) > 1:
+                    raise InputError(
+                        f"several columns are called {name!r}", remedy="give the columns by their numbers, from 1"
+                    )
+            return number, [cells.index(name) for name in wanted]
+    return None

@@ -1,0 +1,91 @@
+"""Fischer (Fischerscope HM, Picodentor) text exports: all tests of one or more series, one below another."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+from indentation_files.errors import InputError
+from indentation_files.readers.anton_paar import LARGEST, metadata, unlike_stated
+from indentation_files.readers.numbers_in_text import table
+from indentation_files.readers.source import Source
+from indentation_files.readers.units import SCALES
+from indentation_files.readers.vendor import (
+    Corrections,
+    Reader,
+    Unreadable,
+    VendorTest,
+    attempt,
+    refuse_corrections,
+    unfinished,
+    unless_all_fail,
+    usable,
+)
+from indentation_files.recording import Recording
+
+APPLICATION = "\tName of the application"
+COLUMNS = ["F", "h", "t"]
+BLOCK = re.compile(r"Block\s*:\s*(\d+)\s+Value\s*:\s*(\d+)")
+UNIT_OF_DEPTH = "um"
+
+
+def matches(source: Source) -> bool:
+    """Return whether the first line names the application."""
+    return source.first.endswith(APPLICATION)
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+    """Read all tests; each begins with a line of the application's name and the date.
+
+    The file states no unit for its columns F, h and t; they are mN, um and s, as the largest load and depth show that
+    are written above them with theirs. Where these differ, a warning says so.
+    """
+    refuse_corrections(source, corrections)
+    begins = [k for k, line in source.lines.in_words() if line.rstrip().endswith(APPLICATION)]
+    several = len(begins) > 1
+    return unless_all_fail(
+        [test for begin, end in pairwise([*begins, len(source.lines)]) for test in _series(source, begin, end, several)]
+    )
+
+
+def _series(source: Source, begin: int, end: int, several: bool) -> list[VendorTest | Unreadable]:
+    """Return the tests of the series on the lines from `begin` up to `end`, of one of `several` under its name."""
+    lines = source.lines[begin:end]
+    application = lines[0].rstrip().removesuffix(APPLICATION).strip()
+    dated = re.compile(rf"{re.escape(application)}\s+\d+[./-]\d+[./-]\d+\s+\d+:\d+")
+    starts = [k for k, line in lines.in_words() if dated.match(line)]
+    program, tests = metadata(lines[: starts[0]]) if starts else {}, []
+    for number, (start, stop) in enumerate(pairwise([*starts, len(lines)]), 1):
+        found = next(filter(None, (BLOCK.match(line) for _, line in lines[start:stop].in_words())), None)
+        name = f"Block {found[1]} Value {found[2]}" if found else f"Test {number}"
+        name = f"{application} {name}" if several else name
+        tests.append(attempt(source.path, name, _test, source, name, begin + start, begin + stop, program))
+    return tests
+
+
+def _test(source: Source, name: str, start: int, end: int, program: dict[str, str]) -> VendorTest:
+    """Return the test on the lines from `start` up to `end`, with the series' `program` among its facts."""
+    lines = source.lines[start:end]
+    header = next((k for k, line in lines.in_words() if line.split("\t")[: len(COLUMNS)] == COLUMNS), None)
+    if header is None:
+        raise InputError(f"lacks its line of columns {', '.join(COLUMNS)}", remedy="export the test again, with data")
+    values = table(lines[header + 1 :], start + header + 2, len(COLUMNS), source.path)
+    load, depth, time = values.T
+    kept, warnings = usable(source, name, time, load, depth)
+    depth = depth[kept] * SCALES["depth"][UNIT_OF_DEPTH]
+    recording = Recording(time[kept], load[kept], depth, name, (f"from {source.path.name}",))
+    entries = [[cell.strip() for cell in line.split("\t")] for line in lines[:header]]
+    results = {f"{entry[0]} {entry[1]}": entry[2] for entry in entries if len(entry) > 2}
+    facts = program | {"test": lines[0].strip()} | results
+    messages = (*warnings, *unlike_stated(recording, _largest(results, program)), *unfinished(recording.load))
+    return VendorTest(name, recording, facts, messages, marked=False)
+
+
+def _largest(results: dict[str, str], program: dict[str, str]) -> dict[str, str]:
+    """Return the largest depth that a test states and the largest load of its program, each with its unit."""
+    depths = [f"{results[key]} {unit[1]}" for key in results if (unit := re.fullmatch(r"hmax \[(.+)\]", key))]
+    loads = [" ".join(found) for found in re.findall(r"([\d.,]+) ?(\w?N)\b", program.get("F", ""))]
+    return {LARGEST[key]: found[0] for key, found in (("depth", depths), ("load", loads)) if found}
+
+
+READER = Reader("fischer", "Fischer HM2000/Picodentor export", matches, read)

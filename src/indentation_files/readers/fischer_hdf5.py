@@ -1,0 +1,129 @@
+"""Fischer (Fischerscope HM, Picodentor) measurements as HDF5: a group for each test, channels with their units.
+
+So the converter of the project micromechanics writes the instrument's binary ``.hap``. Other makers' files of the same
+layout are none of Fischer's, and their depths and loads may be raw.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from indentation_files.bounded_hdf5 import available, read_hdf5
+from indentation_files.errors import InputError
+from indentation_files.readers.several_tests import Channels, parted
+from indentation_files.readers.source import HDF5, Source
+from indentation_files.readers.units import SCALES, unit_of
+from indentation_files.readers.vendor import (
+    Corrections,
+    Reader,
+    Unreadable,
+    VendorTest,
+    attempt,
+    first_few,
+    refuse_corrections,
+    unfinished,
+    unless_all_fail,
+    usable,
+)
+from indentation_files.recording import Recording
+
+NAMES = {"time": ("time",), "load": ("force", "load"), "depth": ("displacement", "depth")}
+FACTS = ("", "instrument", "metadata")
+WRITERS = (b"hap2hdf", b"WIN-HCU", b"Fischer", b"FISCHER")
+OTHER_WRITERS = (b"Micromaterials2hdf", b"nmd2hdf", b"xls2hdf", b"afmformats")
+Columns = Mapping[str, tuple[Sequence[float], Mapping[str, str]]]
+APPROACH = 0.05  # of the largest load: what stays below it before the clock begins anew is the search for the surface
+
+
+def matches(source: Source) -> bool:
+    """Return whether the file is HDF5 and names Fischer's program, and no other's converter."""
+    if not source.begun.startswith(HDF5):
+        return False
+    content = source.content
+    return any(name in content for name in WRITERS) and not any(name in content for name in OTHER_WRITERS)
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+    """Read all tests.
+
+    Raises
+    ------
+    InputError
+        When the library h5py is missing, or no test can be read.
+    """
+    refuse_corrections(source, corrections)
+    if not available():
+        raise InputError("Fischer's HDF5 needs the library h5py", remedy="install it: pip install h5py")
+    found = read_hdf5(source.content)
+    if found.problem:
+        raise InputError(f"h5py cannot read it ({found.problem})", remedy="copy or export it again")
+    facts = {key: value for name in FACTS for key, value in found.attributes.get(name, {}).items()}
+    tests = [_of_group(source, path, group, facts) for path, group in found.groups.items() if _channels(group)]
+    return unless_all_fail([test for of_group in tests for test in of_group])
+
+
+def _channels(group: Columns) -> dict[str, str]:
+    """Return what a group calls its channels; empty where it lacks one."""
+    spelt = {name.casefold(): name for name in group}
+    found = {key: next((spelt[name] for name in names if name in spelt), "") for key, names in NAMES.items()}
+    return found if all(found.values()) else {}
+
+
+def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) -> list[VendorTest | Unreadable]:
+    """Return the tests in a group: one, or as many as its clock begins anew and the load rises again."""
+    name = " ".join(part for part in path.split("/") if part not in ("", "data")) or source.path.stem
+    channels = attempt(source.path, name, _values, group)
+    if isinstance(channels, Unreadable):
+        return [Unreadable(name, channels.error)]
+    parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), _point)
+    peaks = [float(part.channels[1].max()) for part in parts]
+    pressed = [part for part, peak in zip(parts, peaks, strict=True) if peak > APPROACH * max(peaks)]
+    tests: list[VendorTest | Unreadable] = []
+    for number, part in enumerate(pressed, 1):
+        called = f"{name} {number}" if len(pressed) > 1 else name
+        messages = part.messages
+        if len(pressed) < len(parts):
+            messages = (
+                *messages,
+                f"{len(parts) - len(pressed)} parts without load before the clock begins anew left out",
+            )
+        tests.append(attempt(source.path, called, _test, source, called, part.channels, facts, messages))
+    return tests
+
+
+def _point(*rows: int) -> str:
+    """Return which points are meant, from 1, for messages."""
+    return f"point {first_few([row + 1 for row in rows])}"
+
+
+def _values(group: Columns) -> list[np.ndarray]:
+    """Return time [s], load [mN] and depth [nm] of a group, each of shape (n,)."""
+    columns = []
+    for key, name in _channels(group).items():
+        data, attributes = group[name]
+        stated = next((value for called, value in attributes.items() if called.casefold() in ("unit", "units")), "")
+        unit = unit_of(key, stated)
+        if unit is None:
+            raise InputError(
+                f"its {name} is in {stated!r}" if stated else f"states no unit of its {name}",
+                remedy=f"convert it again with one of: {', '.join(SCALES[key])}, or export the tests as text",
+            )
+        columns.append(SCALES[key][unit] * np.asarray(data, dtype=float))
+    if len({len(column) for column in columns}) > 1:
+        raise InputError("its channels are of unequal length", remedy="convert it again, or export the tests as text")
+    return columns
+
+
+def _test(
+    source: Source, name: str, channels: Channels, facts: dict[str, str], messages: tuple[str, ...]
+) -> VendorTest:
+    """Return the test of a name from its time, load and depth."""
+    kept, warnings = usable(source, name, *channels)
+    time, load, depth = (channel[kept] for channel in channels)
+    recording = Recording(time - time[0], load, depth, name, (f"from {source.path.name}",))
+    return VendorTest(name, recording, facts, (*messages, *warnings, *unfinished(load)), marked=False)
+
+
+READER = Reader("fischer_hdf5", "Fischer HDF5 (by h5py)", matches, read)

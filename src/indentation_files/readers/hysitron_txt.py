@@ -1,0 +1,110 @@
+"""Hysitron/Bruker TriboScan text exports: depth, load and time, and the sensors' volts where they were exported.
+
+The instrument's drift and frame corrections are in the depth, but not written. Where the volts are, they follow from
+them, because the sensor is linear: depth = a + b volts - compliance * load - drift * time, exactly but for rounding.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from indentation_files.errors import InputError
+from indentation_files.readers.numbers_in_text import column, counted, refuse_unlike, require_tabs
+from indentation_files.readers.source import Source
+from indentation_files.readers.units import CHANNELS, SCALES, unit_of
+from indentation_files.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, usable
+from indentation_files.recording import Recording
+
+COUNT = re.compile(r"Number of Points\s*[=:](.*)")
+HEADING = re.compile(r"\s*(Time|Load|Depth)\s*\((.+)\)\s*")
+DEPTH = re.compile(r"\bDepth *\((?!V)")
+VOLTS = "volts"
+SENSOR = re.compile(r"\s*(Depth|Disp\. Voltage)\s*\(V\)\s*")
+EXACT = 0.05
+HEAD = 20
+
+
+def matches(source: Source) -> bool:
+    """Return whether the file announces its number of points and then its columns, whatever is between these."""
+    head = source.lines[:HEAD]
+    return any(COUNT.match(line) for line in head) and any(DEPTH.search(line) for line in head)
+
+
+def columns(line: str) -> dict[str, tuple[int, float]]:
+    """Return the place and the scale of each channel, and of the depth in volts, that a line of headings names."""
+    found: dict[str, tuple[int, float]] = {}
+    for index, cell in enumerate(line.split("\t")):
+        heading = HEADING.fullmatch(cell)
+        if heading:
+            key = heading[1].lower()
+            if unit := unit_of(key, heading[2]):
+                found.setdefault(key, (index, SCALES[key][unit]))
+        if SENSOR.fullmatch(cell):
+            found[VOLTS] = (index, 1.0)
+    return found
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+    """Read the one test; time is counted from the last point without load before it is loaded."""
+    start = next(k for k, line in source.lines.in_words() if DEPTH.search(line))
+    require_tabs(source.lines[start], source.path)
+    places = columns(source.lines[start])
+    if not {*CHANNELS} <= {*places}:
+        raise InputError(
+            "lacks one of the columns Depth (nm), Load (µN), Time (s)", remedy="export them", file=source.path
+        )
+    if corrections is not None and VOLTS not in places:
+        raise InputError(
+            "without the column Depth (V) or Disp. Voltage(V) the corrections cannot be taken off",
+            remedy="export the volts, or leave --raw and --correct off",
+            file=source.path,
+        )
+    announced = next(found[1] for line in source.lines[:HEAD] if (found := COUNT.match(line)))
+    width = len(source.lines[start].rstrip().split("\t"))
+    values = counted(source.lines[start + 1 :], start + 2, width, source.path, announced)
+    refuse_unlike(source.lines[start], columns, values, source.path)
+    needed = [*CHANNELS] if corrections is None else [*CHANNELS, VOLTS]
+    channels = [column(values, *places[key]) for key in needed]
+    kept, warnings = usable(source, "values", *channels)
+    time, load, depth, *volts = (channel[kept] for channel in channels)
+    begin = contact(load, depth)
+    metadata = {"date": source.lines[0].strip()}
+    if corrections is not None:
+        drift, compliance = applied(depth, volts[0], load, time, source)
+        since, force = time - time[begin], load - load[begin]
+        every = frozenset({"drift", "frame"})
+        depth = 2 * depth - corrected(depth, since, force, drift=drift, compliance=compliance, corrections=every)
+        depth = corrected(depth, since, force, drift=drift, compliance=compliance, corrections=corrections)
+        metadata |= {"drift [nm/s]": f"{drift:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
+    name = source.path.stem
+    recording = Recording(time - time[begin], load, depth, name, (f"from {source.path.name}",))
+    return [VendorTest(name, recording, metadata, warnings, marked=False)]
+
+
+def applied(
+    depth: np.ndarray, volts: np.ndarray, load: np.ndarray, time: np.ndarray, source: Source
+) -> tuple[float, float]:
+    """Return the drift [nm/s] and compliance [nm/mN] that make a linear sensor's `volts` (n,) into `depth` (n,).
+
+    Parameters
+    ----------
+    depth, volts, load, time : ndarray, shape (n,)
+        [nm], [V], [mN], [s].
+    source
+        The file, for messages.
+    """
+    terms = np.column_stack([np.ones_like(volts), volts, load, time])
+    solution = np.linalg.lstsq(terms, depth, rcond=None)[0]
+    misfit = float(np.sqrt(np.mean((terms @ solution - depth) ** 2)))
+    if misfit > EXACT:
+        raise InputError(
+            f"depth does not follow from volts, load and time (they leave {misfit:.3g} nm)",
+            remedy="leave --raw and --correct off",
+            file=source.path,
+        )
+    return -float(solution[3]), -float(solution[2])
+
+
+READER = Reader("hysitron_txt", "Hysitron TriboScan text", matches, read)

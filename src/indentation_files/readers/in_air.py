@@ -1,0 +1,225 @@
+"""What of a test lies in air: before the tip touches, and after it has left."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from indentation_files.channel_noise import noise_of, noises_of
+from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, loading
+from indentation_files.departure import departure
+from indentation_files.errors import InputError
+from indentation_files.recording import BARELY_LOADED, Recording
+
+SHARE = 0.05  # of the test's depth beyond contact, chosen: air that is reported
+PRESSED = 0.05  # of the largest load: what is above is no air
+FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
+NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
+ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
+TOGETHER = 1_000_000  # points, looked at at once
+FINDS = "--contact auto finds the contact"
+
+
+def air_before(recording: Recording) -> ContactPoint | None:
+    """Return the contact of a recording that begins in air; None where it does not begin there.
+
+    It does where the whole 95 % interval of the contact lies deeper than its first point by more than a share of the
+    test's depth, or where the tip retreats by as much before it touches. The search is made only where a load that
+    stays in its noise, or leaves the air late, gives reason to.
+    """
+    if (
+        resting(recording.load, recording.depth) <= SHARE
+        and share_before_departure(recording) <= SHARE
+        and not _retreats(recording)
+    ):
+        return None
+    try:
+        point = first_touch(recording.time, recording.load, recording.depth)
+    except InputError:
+        return None
+    far = SHARE * (float(recording.depth.max()) - point.depth)
+    retreated = retreat_before(recording, point) > max(far, CLEAR * noise_of(recording.depth))
+    deeper = point.lower > recording.depth[0] + far
+    return point if retreated or deeper else None
+
+
+def seems_in_air(r: Recording) -> bool:
+    """Return whether the tip retreats at first, or a load shows air that stays in its noise and leaves the air late."""
+    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and share_before_departure(r) > SHARE)
+
+
+def retreat_before(recording: Recording, point: ContactPoint) -> float:
+    """Return by how much the tip retreats between the first point and contact [nm]."""
+    first = float(recording.depth[0])
+    return first - float(recording.depth[: point.index + 1].min())
+
+
+def share_in_air(recording: Recording, point: ContactPoint) -> float:
+    """Return which share of the way to the largest depth, from where the tip retreats to, lies in air."""
+    lowest = float(recording.depth[0]) - retreat_before(recording, point)
+    return (point.depth - lowest) / max(float(recording.depth.max()) - lowest, 1e-300)
+
+
+def resting(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return by which shares of its largest the depth grows before the load leaves its noise, of channels (..., n).
+
+    Where it leaves the level of its first points within these, it does not rest, and the share is zero.
+    """
+    smooth = median_filter(load, (1,) * (load.ndim - 1) + (5,), mode="nearest")
+    level = np.median(smooth[..., :FIRST], axis=-1)
+    clear = CLEAR * np.maximum(noises_of(load), 1e-4 * np.ptp(load, axis=-1))
+    risen = smooth > (level + clear)[..., None]
+    left = np.where(risen.any(axis=-1), np.argmax(risen, axis=-1), load.shape[-1] - 1)
+    grown = np.take_along_axis(depth, left[..., None], axis=-1)[..., 0] - depth[..., 0]
+    return np.where(left < FIRST, 0.0, grown / np.maximum(np.ptp(depth, axis=-1), 1e-300))
+
+
+def share_before_departure(r: Recording) -> float:
+    """Return by which share of its largest the depth grows before the load stands clear of what it does in air."""
+    first, last = loading(r.load, r.depth)
+    found = departure(r.load[first : last + 1], r.depth[first : last + 1])
+    return (found.clear - float(r.depth[0])) / max(float(np.ptp(r.depth)), 1e-300) if found else 0.0
+
+
+def _retreats(r: Recording) -> bool:
+    """Return whether the tip moves away from where it begins before the load is largest."""
+    retreat = float(_first_retreat(r.load, r.depth))
+    return retreat > SHARE * float(np.ptp(r.depth)) and retreat > CLEAR * noise_of(r.depth)
+
+
+def _first_retreat(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]; channels (..., n)."""
+    loaded = np.argmax(load > PRESSED * load.max(axis=-1, keepdims=True), axis=-1)
+    before = np.arange(load.shape[-1]) <= loaded[..., None]
+    return depth[..., 0] - np.where(before, depth, depth[..., :1]).min(axis=-1)
+
+
+def suspects(tests: Sequence[Recording]) -> list[Recording]:
+    """Return the tests that `air_at_start` has to look at: their load rests at the start, or their tip retreats.
+
+    Tests of one length are looked at together, as numpy takes as long for one of them as for many.
+    """
+    found = set[int]()
+    for length in sorted({len(test) for test in tests}):
+        alike = [test for test in tests if len(test) == length]
+        size = max(TOGETHER // length, 1)
+        for first in range(0, len(alike), size):
+            some = alike[first : first + size]
+            load, depth = np.stack([test.load for test in some]), np.stack([test.depth for test in some])
+            far = _first_retreat(load, depth) > SHARE * np.ptp(depth, axis=-1)
+            found |= {id(test) for test, odd in zip(some, far | (resting(load, depth) > SHARE), strict=True) if odd}
+    return [test for test in tests if id(test) in found]
+
+
+def retreats_at_start(r: Recording, remedy: str = FINDS) -> tuple[str, ...]:
+    """Return a warning where the tip of a recording that should begin at contact retreats before the load rises."""
+    if not _retreats(r):
+        return ()
+    retreat = _first_retreat(r.load, r.depth)
+    return (f"the tip retreats by {retreat:.3g} nm after contact, before the load rises ({remedy})",)
+
+
+def air_at_start(r: Recording, remedy: str = FINDS) -> tuple[str, ...]:
+    """Return a warning where a recording that should begin at contact begins in air, by the search for contact."""
+    told = retreats_at_start(r, remedy)
+    if told or not seems_in_air(r) or (point := air_before(r)) is None:
+        return told
+    share = 100 * share_in_air(r, point)
+    return (f"the load does not rise over the first {share:.2g} % of the depth: the test begins in air ({remedy})",)
+
+
+def risen_before(r: Recording, begin: int) -> tuple[str, ...]:
+    """Return a warning where the load rises well before point `begin`, which the file marks as contact.
+
+    It rises above the line through the loads in the farther half of the approach, of which no more than the test's
+    depth counts.
+    """
+    way, first = float(r.depth.max() - r.depth[begin]), int(np.argmin(r.depth[: begin + 1]))
+    near = first + np.flatnonzero(r.depth[first : begin + 1] >= r.depth[begin] - way)
+    air = near[r.depth[near] < (r.depth[near].min() + r.depth[begin]) / 2]
+    if len(air) < ENOUGH:
+        return ()
+    line = np.polynomial.Polynomial.fit(r.depth[air], r.load[air], 1)
+    rest = r.load[near] - line(r.depth[near])
+    clear = max(CLEAR * float(np.std(rest[np.isin(near, air)])), BARELY_LOADED * float(np.ptp(r.load)))
+    free = np.flatnonzero(rest <= clear)
+    early = float(r.depth[begin] - r.depth[near[free[-1]]])
+    if early <= SHARE * way:
+        return ()
+    return (
+        f"the load rises by {rest[-1]:.3g} mN over the last {early:.3g} nm before the file's contact, "
+        f"which may be marked too late ({FINDS})",
+    )
+
+
+def sloping(r: Recording, touch: int) -> tuple[str, ...]:
+    """Return a warning where the load changes with the depth in air, and so adds to the load of the test.
+
+    The slope is that of the way in up to point `touch`, but for its last tenth, where the surface may already pull.
+    """
+    first = int(np.argmin(r.depth[: touch + 1]))
+    way = float(r.depth[touch] - r.depth[first])
+    air = first + np.flatnonzero(r.depth[first:touch] < r.depth[touch] - NEAR * way)
+    if len(air) < ENOUGH:
+        return ()
+    depth, load = r.depth[air] - r.depth[air].mean(), r.load[air] - r.load[air].mean()
+    slope = float(depth @ load / (depth @ depth))
+    uncertain = float(np.std(load - slope * depth) / np.sqrt(depth @ depth))
+    share = slope * float(r.depth.max() - r.depth[touch]) / float(r.load.max() - r.load[touch])
+    if abs(slope) <= CLEAR * uncertain or abs(share) <= SHARE:
+        return ()
+    return (
+        f"the load in air changes by {1e3 * slope:.3g} mN/um of depth; what that makes up to the largest depth, "
+        f"{share:.0%} of the largest load, is left in the load, as air alone does not show whether it acts in contact",
+    )
+
+
+def until_retreat(recording: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Return a recording that begins at contact up to where the tip has left, and messages on the rest.
+
+    It has left where the load falls below zero for good, or where the depth comes back through contact for good; or
+    before that, where the load has fallen to what it reads in air beyond, which may have drifted. A load that is less
+    than zero where the test begins is counted from there.
+    """
+    depth, noise = recording.depth, noise_of(recording.load)
+    load = recording.load - (recording.load[0] if recording.load[0] < -CLEAR * noise else 0.0)
+    loaded = np.flatnonzero(load > CLEAR * noise)
+    last = int(loaded[-1]) if len(loaded) else len(recording) - 1
+    below = np.flatnonzero(load[last:] < 0)
+    ends = [len(recording), *(last + below[:1])]
+    back = int(np.flatnonzero(depth >= 0)[-1]) + 1 if (depth >= 0).any() else len(recording)
+    if depth[back:].min(initial=0.0) < -SHARE * depth.max():
+        ends += [back, _in_air_again(load, back, noise)]
+    end = int(min(ends))
+    rest = recording.depth[end:]
+    if rest.min(initial=0.0) >= -SHARE * max(depth.max(), 0.0):
+        return recording.at(slice(end)), _after_zero_load(recording, end)
+    left = recording.load[end:]
+    return recording.at(slice(end)), (
+        f"ends at {recording.time[end]:.4g} s, where the tip has left: {len(rest)} points of its retreat to "
+        f"{rest.min():.4g} nm, at {left.min():.3g} to {left.max():.3g} mN, are left out",
+    )
+
+
+def _after_zero_load(r: Recording, end: int) -> tuple[str, ...]:
+    """Return a message where much of a recording follows the point `end`, from which the load is zero or below."""
+    lasts = float(r.time[-1] - r.time[min(end, len(r) - 1)])
+    if lasts <= SHARE * float(np.ptp(r.time)):
+        return ()
+    rest = r.depth[end:]
+    return (
+        f"ends at {r.time[end]:.4g} s, where the load is zero: {len(rest)} points over {lasts:.4g} s, "
+        f"at {rest.min():.4g} to {rest.max():.4g} nm, are left out: the tip may have left (--contact none keeps all)",
+    )
+
+
+def _in_air_again(load: np.ndarray, back: int, noise: float) -> int:
+    """Return the point, before `back`, where the load has come down to its level in air from there on."""
+    if not load.max() > 0.0:
+        return back
+    level = float(np.median(load[back:]))
+    pressed = int(np.flatnonzero(load > PRESSED * load.max())[-1])
+    fallen = np.flatnonzero(load[pressed:back] <= level + CLEAR * noise)
+    return pressed + int(fallen[0]) if len(fallen) else back

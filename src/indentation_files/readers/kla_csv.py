@@ -1,0 +1,54 @@
+"""A test of KLA's InView exported as CSV: the columns, the row of units and the markers of a workbook's sheet."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import cached_property
+
+from indentation_files.bounded_workbook import Workbook
+from indentation_files.errors import InputError
+from indentation_files.readers import kla
+from indentation_files.readers.sheets_of_tests import MARKERS
+from indentation_files.readers.source import Source
+from indentation_files.readers.units import unit_of
+from indentation_files.readers.vendor import Corrections, Reader, Unreadable, VendorTest, refuse_corrections
+
+HEAD = 2  # rows of names and of units
+
+
+@dataclass(frozen=True)
+class AsSheet(Source):
+    """A text of comma-separated values as a workbook with one sheet, called like the file."""
+
+    @cached_property
+    def _cells(self) -> Workbook:
+        """The cells, each row as long as the row of names."""
+        rows = [row for row in csv.reader(iter(self.lines)) if row]
+        width = len(rows[0]) if rows else 0
+        return Workbook(sheets={self.path.stem: (1, 1, [[*row, *[""] * width][:width] for row in rows])})
+
+
+def matches(source: Source) -> bool:
+    """Return whether the first line names a marker and a test's channels, and the second gives their units."""
+    head = [row for row in csv.reader(iter(source.lines[:HEAD])) if row]
+    if source.workbook or len(head) < HEAD or len(head[0]) != len(head[1]):
+        return False
+    names = [cell.strip().casefold() for cell in head[0]]
+    if not any(marker in names for marker in MARKERS):
+        return False
+    units = dict(zip(names, head[1], strict=True))
+    found = {key: next((name for name in spellings if name in names), "") for key, spellings in kla.CHANNELS.items()}
+    return all(name and unit_of(key, units[name].strip()) for key, name in found.items())
+
+
+def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+    """Read the one test."""
+    refuse_corrections(source, corrections)
+    try:
+        return [kla.test_on_sheet(AsSheet(source.path, source.stream), source.path.stem, {})]
+    except InputError as error:
+        raise error.located(file=source.path) from None
+
+
+READER = Reader("kla_csv", "KLA CSV", matches, read)

@@ -1,0 +1,155 @@
+"""Numbers in instruments' text files: decimal comma or point, tabs between columns."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+
+from indentation_files.errors import InputError
+from indentation_files.readers.decimals import LARGEST, numbers
+from indentation_files.readers.headings import is_word
+from indentation_files.readers.lines import Lines
+from indentation_files.readers.plain_numbers import plain_numbers
+
+
+def number(cell: str) -> float:
+    """Return the number in `cell`, written with a decimal comma or point; NaN for an empty cell and for "invalid"."""
+    cell = cell.strip()
+    value = float(cell.replace(",", ".")) if cell else float("nan")
+    return value if abs(value) <= LARGEST else float("nan")
+
+
+def require_tabs(headings: str, path: Path) -> None:
+    """Raise `InputError` on a line of headings without tabs: another program has saved the vendor's file anew."""
+    if "\t" not in headings:
+        raise InputError(
+            f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew",
+            remedy="export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)",
+            file=path,
+        )
+
+
+def table(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str = "\t") -> np.ndarray:
+    """Return numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
+
+    The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``.
+
+    Parameters
+    ----------
+    lines
+        Lines of text.
+    columns
+        Number of columns.
+    path
+        The file, for messages.
+    first_line
+        Number of the first of `lines` in the file, for messages.
+    delimiter
+        What parts the cells; a blank means any number of blanks and tabs.
+
+    Raises
+    ------
+    InputError
+        When a cell is no number, a row is too short, there is none, or a point and a comma are equally likely to be the
+        decimal sign.
+    """
+    found = plain_numbers(lines, delimiter)
+    if found and len(found[0]) >= columns:
+        values = found[0].T
+    else:
+        values = _one_by_one(lines, first_line, columns, path, delimiter)
+    values[~np.isfinite(values)] = np.nan
+    return values[:, :columns]
+
+
+def column(values: np.ndarray, place: int, factor: float) -> np.ndarray:
+    """Return the column at a place of a table's `values`, multiplied in place: a long one is not copied."""
+    found: np.ndarray = values[:, place]
+    found *= factor
+    return found
+
+
+def _one_by_one(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str) -> np.ndarray:
+    """Return the numbers of a `table`, infinite for empty cells and for "invalid"."""
+    filled = {f"line {place}": line for place, line in enumerate(lines.one_by_one(), first_line) if line.strip()}
+    if not filled:
+        raise InputError("holds no measured values", remedy="export the test again", file=path)
+    rows = [line.split(None if delimiter == " " else delimiter)[:columns] for line in filled.values()]
+    places = list(filled)
+    short = next((k for k, row in enumerate(rows) if len(row) < columns), len(rows))
+    values = numbers(rows[:short], lambda row: places[row])
+    words = [int(k) for k in np.flatnonzero(np.isnan(values).any(axis=1))]
+    if short < len(rows) and any(map(is_word, rows[short])):
+        words.append(short)
+    if words:
+        raise InputError(
+            f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers",
+            remedy="export each test to a file of its own, or name its columns (--columns time=...,load=...,depth=...)",
+            file=path,
+            place=places[words[0]],
+        )
+    if short < len(rows):
+        raise InputError(
+            f"{len(rows[short])} columns where {columns} were announced; the file is cut off",
+            remedy="export the test again",
+            file=path,
+            place=places[short],
+        )
+    return values
+
+
+def refuse_unlike(headings: str, known: Callable[[str], Iterable[str]], values: np.ndarray, path: Path) -> None:
+    """Raise `InputError` where a line of headings names one channel twice, with other `values` (n, k) below.
+
+    Parameters
+    ----------
+    headings, path
+        See `require_tabs`.
+    known
+        The channel that a heading names; empty for another.
+    """
+    first: dict[str, int] = {}
+    cells = headings.rstrip().split("\t")
+    for k, heading in enumerate(cells):
+        for channel in known(heading):
+            before = first.setdefault(channel, k)
+            if not np.array_equal(values[:, before], values[:, k], equal_nan=True):
+                names = [" ".join(cell.split()) for cell in (cells[before], heading)]
+                raise several_of(" or ".join(dict.fromkeys(names)), path)
+
+
+def several_of(name: str, path: Path) -> InputError:
+    """Return the error of a file in which several columns with different numbers have the same name."""
+    remedy = "give the columns by their numbers, from 1 (--columns time=...,load=...,depth=...)"
+    return InputError(f"several columns are called {name!r}", remedy=remedy, file=path)
+
+
+def counted(lines: Lines, first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
+    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``.
+
+    Parameters
+    ----------
+    lines, first_line, columns, path
+        See `table`.
+    announced
+        Number of rows that the header announces, as text.
+    """
+    count = re.sub(r"(?<=\d)[,.](?=\d{3})", "", announced.strip())
+    if not count.isdecimal():
+        raise InputError(
+            f"announces {announced.strip()[:40]!r} points, expected a whole number",
+            remedy="copy or export it again",
+            file=path,
+        )
+    values = table(lines, first_line, columns, path)
+    if len(values) != int(count):
+        odd = "the file is cut off" if len(values) < int(count) else "more than one test may be in it"
+        raise InputError(
+            f"holds {len(values)} points, {int(count)} were announced; {odd}",
+            remedy="copy or export it again",
+            file=path,
+        )
+    return values

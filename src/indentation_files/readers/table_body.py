@@ -1,0 +1,147 @@
+"""The rows of time, load and depth in a table: what is above them, their numbers, and how they divide into tests."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from indentation_files.errors import InputError
+from indentation_files.readers.clock import seconds
+from indentation_files.readers.column_map import ColumnMap, columns_of
+from indentation_files.readers.decimals import numbers
+from indentation_files.readers.headings import is_row_of_units, is_word
+from indentation_files.readers.last_row import without_odd_end
+from indentation_files.readers.several_tests import Channels, Part, parted, whole, without_stand_ins
+from indentation_files.readers.tables import Table
+
+
+@dataclass(frozen=True)
+class TableBody:
+    """A table's rows of time, load and depth.
+
+    Parameters
+    ----------
+    table
+        The whole table.
+    places
+        Of the three columns in its rows.
+    cells
+        Its cells of the three columns, below the header where the columns are given by their names.
+    named, header
+        The row in the table that holds the columns' names, and the header's: the former, or, where the columns are
+        given by their numbers, the first row of words above the numbers. None where there is none.
+    above
+        The cells for time, load and depth in the rows before the first number.
+    channels
+        The numbers in the cells: NaN for text, infinite for an empty or invalid cell.
+    repeated, broken : ndarray of bool, shape (n,)
+        Whether a row is the header again, and whether that or a blank row comes before it.
+    of_clock
+        Whether the times are read off a clock, in seconds.
+    messages
+        What is reported to the user about that, and about the last row.
+    """
+
+    table: Table
+    places: Sequence[int]
+    cells: Table
+    named: int | None
+    header: int | None
+    above: list[list[str]]
+    channels: Channels
+    repeated: np.ndarray
+    broken: np.ndarray
+    of_clock: bool
+    messages: tuple[str, ...]
+
+
+def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
+    """Return the rows of a table that has the columns and numbers in them; None for another."""
+    found = columns_of(table, columns)
+    if found is None:
+        return None
+    cells = table.body(*found)
+    aside, core = {k: cells.rows[k] for k in cells.aside}, cells.core
+    numeric = [k for k, row in aside.items() if is_numeric(row, (1, 2))]
+    if not numeric and not core:
+        return None
+    begin = min([*numeric[:1], *([core.first] if core else [])])
+    heading = " ".join(str(row[found[1][0]]) for row in table.rows[: begin + 1] if len(row) > found[1][0])
+    shown, messages = seconds([aside[k][0] for k in numeric], heading)
+    clock = dict(zip(numeric, shown, strict=True))
+    channels = _channels(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
+    channels, at_end = without_odd_end(without_stand_ins(channels), cells)
+    filled = whole(channels)
+    if not filled.any():
+        return None
+    first = int(np.argmax(filled))
+    above = words_of(table.body(None, found[1]).rows[: first + len(table.rows) - len(cells.rows)])
+    header = row_of_names(above) if found[0] is None else found[0]
+    rows = table.rows[-len(cells.rows) :]
+    repeated, blank = np.zeros(len(rows), dtype=bool), np.append(False, np.diff(cells.numbers) > 1)
+    for k in aside:
+        repeated[k] = header is not None and [*rows[k]] == [*table.rows[header]]
+        blank[k] |= not any(map(str, rows[k]))
+    of_clock = clock.get(first, cells.rows[first][0]) != cells.rows[first][0]
+    messages += at_end
+    return TableBody(
+        table, found[1], cells, found[0], header, above, channels, repeated, repeated | blank, of_clock, messages
+    )
+
+
+def _channels(cells: Table, aside: Mapping[int, Sequence[Any]]) -> Channels:
+    """Return the numbers in a table's core with those in the rows beside it, given by their numbers, filled in."""
+    places, core = list(aside), cells.core
+    channels = list(core.columns if core else np.empty((3, len(cells.rows))))
+    if places:
+        found = numbers(list(aside.values()), lambda row: cells.place(places[row]), core.sign if core else "")
+        for channel, values in zip(channels, found.T, strict=True):
+            channel[places] = values
+    return channels
+
+
+def parts_of(body: TableBody) -> list[Part]:
+    """Return the tests below one another in a table; raises `InputError` where one has other names or units."""
+    parts = parted(body.channels, body.broken, body.cells.place)
+    filled = whole(body.channels)
+    for part in parts[1:]:
+        begin = part.rows[int(np.argmax(filled[part.rows.start :]))]
+        last = int(np.flatnonzero(filled[:begin])[-1])
+        between = range(last + 1, begin)
+        others = [
+            k
+            for k, row in zip(between, words_of(body.cells.rows[last + 1 : begin]), strict=True)
+            if (_is_header(row) and not body.repeated[k]) or (is_row_of_units(row) and row not in body.above)
+        ]
+        if others:
+            raise InputError(
+                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are no names and units of the test before",
+                remedy="write each of several tests to a file of its own",
+                place=body.cells.place(others[0]),
+            )
+    return parts
+
+
+def row_of_names(above: Sequence[Sequence[str]]) -> int | None:
+    """Return the first row of three words that are no units: the header of columns that are given by their numbers."""
+    return next((k for k, row in enumerate(above) if _is_header(row)), None)
+
+
+def _is_header(row: Sequence[str]) -> bool:
+    """Return whether the cells of a row are three words that are no units."""
+    return all(map(is_word, row)) and not is_row_of_units(row)
+
+
+def is_numeric(row: Sequence[Any], indices: Iterable[int]) -> bool:
+    """Return whether cells of a row hold digits and no words."""
+    cells = [str(row[k]) if k < len(row) else "" for k in indices]
+    return all(re.search(r"\d", cell) and not is_word(cell) for cell in cells)
+
+
+def words_of(rows: Sequence[Sequence[Any]]) -> list[list[str]]:
+    """Return the cells of rows as text without blanks around it."""
+    return [[str(cell).strip() for cell in row] for row in rows]

@@ -1,0 +1,274 @@
+"""Recordings in CSV files: found in a folder, read and checked.
+
+Files are read by columns, large ones in blocks; what such a reader does not accept is read again line by line, to
+report what is wrong and where.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from array import array
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from indentation_files.errors import InputError
+from indentation_files.recording import (
+    HEADER,
+    MOST,
+    STIFFNESS_FOLDER,
+    WITH_STIFFNESS,
+    Recording,
+    check_points,
+    marked_synthetic,
+    spaced,
+    stiffness_file,
+)
+from indentation_files.regular_file import refuse_special
+
+HISTORIES = {"load": "time_s,load_mN", "displacement": "time_s,displacement_nm"}  # headers of what is prescribed alone
+BLOCK = 1 << 22  # bytes that are read at once
+LONGEST = 1 << 20  # letters of a line
+LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster than numpy
+
+
+def recording_files(folder: Path) -> list[Path]:
+    """Return the recordings in a folder, CONDITION_REPLICATE.csv each, by name; none where there is no folder."""
+    return _visible(folder, recordings=True)
+
+
+def other_files(folder: Path) -> list[Path]:
+    """Return what a folder holds besides recordings, by name: other files, and folders with recordings of their own."""
+    others = [file for file in _visible(folder, recordings=False) if file.name != STIFFNESS_FOLDER]
+    return [file for file in others if file.is_file() or recording_files(file)]
+
+
+def _visible(folder: Path, recordings: bool) -> list[Path]:
+    """Return what a folder holds by name: what is named as recordings are, or all else; hidden files do not count."""
+    names = os.listdir(folder) if folder.is_dir() else ()
+    chosen = (name for name in names if name.lower().endswith(".csv") == recordings and not name.startswith("."))
+    return [folder / name for name in sorted(chosen)]
+
+
+def condition_of(file: Path) -> str:
+    """Return the condition that the name of a recording's file begins with; empty where no replicate follows."""
+    condition, _, replicate = file.stem.rpartition("_")
+    return condition if replicate.strip() else ""
+
+
+def holds_synthetic(folder: Path) -> bool:
+    """Return whether any recording in a folder is marked as simulated; reads the comments above the headers only."""
+    return any(marked_synthetic(_begun(_numbered(file))[0]) for file in recording_files(folder))
+
+
+def read_recording(path: str | Path) -> Recording:
+    """Read a recording CSV and check it; its stiffness may lie in a folder beside (`Recording.write_apart`).
+
+    Raises
+    ------
+    InputError
+        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
+        beside it is that of other times.
+    """
+    path = Path(path)
+    return with_stiffness_beside(_recording_at(path), path)
+
+
+def with_stiffness_beside(recording: Recording, path: Path) -> Recording:
+    """Return the recording of a CSV with the stiffness that lies in a folder beside it; raises `InputError`."""
+    beside = stiffness_file(path)
+    if recording.stiffness is not None or not beside.is_file():
+        return recording
+    measured = _recording_at(beside)
+    if not np.array_equal(measured.time, recording.time):
+        raise InputError(f"has other times than {path}", remedy="remove it, or convert the test again", file=beside)
+    return replace(recording, stiffness=measured.stiffness)
+
+
+def read_history(path: Path, control: str) -> Recording:
+    """Read what is prescribed: a recording, or a CSV of ``time_s,load_mN`` or ``time_s,displacement_nm`` alone.
+
+    A displacement alone is the depth of a recording without load: depth + load / spring is right. Raises
+    `InputError` as `read_recording`, and when a file holds the other of the two.
+    """
+    lines = _numbered(path)
+    _, _, heading = _begun(lines)
+    if heading not in HISTORIES.values():
+        return read_recording(path)
+    if heading != HISTORIES[control]:
+        raise InputError(
+            f"header is {heading!r}, but the {control} is prescribed",
+            remedy=f"give {HISTORIES[control]!r}, or a recording",
+            file=path,
+        )
+    time, drive = _columns(lines, heading, path)
+    load, depth = (drive, np.zeros_like(drive)) if control == "load" else (np.zeros_like(drive), drive)
+    try:
+        return Recording(time, load, depth, path.stem)
+    except InputError as error:
+        raise error.located(file=path) from None
+
+
+def _recording_at(path: Path) -> Recording:
+    """Return the recording in one CSV, checked."""
+    with _errors_of_reading(path):
+        large = path.stat().st_size > LARGE
+    return _checked(_numbered(path) if large else _numbered_at_once(path), path, large)
+
+
+def recording_in(lines: Sequence[str], path: Path) -> Recording:
+    """Return the recording that the `lines` of a CSV hold, as `read_recording` does, but without a stiffness beside."""
+    recording = _checked(enumerate(lines, 1), path, large=False)
+    return recording if len(recording) <= MOST else recording.at(spaced(np.arange(len(recording)))[0])
+
+
+def _numbered(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a text file with their numbers; raises `InputError`."""
+    refuse_special(path)
+    with _errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
+        for number, line in enumerate(iter(lambda: stream.readline(LONGEST), ""), 1):
+            if len(line) == LONGEST:
+                remedy = "export or copy the test again"
+                raise InputError(
+                    "the line is longer than that of any table", remedy=remedy, file=path, place=f"line {number}"
+                )
+            yield number, line
+
+
+def _numbered_at_once(path: Path) -> Iterator[tuple[int, str]]:
+    """Return the lines of a small text file with their numbers; raises `InputError`."""
+    refuse_special(path)
+    with _errors_of_reading(path):
+        return enumerate(path.read_text(encoding="utf-8-sig").split("\n"), 1)
+
+
+@contextmanager
+def _errors_of_reading(path: Path) -> Iterator[None]:
+    """Turn what reading a text file raises into `InputError`."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
+        ) from error
+
+
+def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
+    """Return the comments that precede the header, its number, and the header; empty where there is none."""
+    notes = []
+    for number, line in lines:
+        if line.startswith("#"):
+            notes.append(line[1:].strip())
+        elif line.strip():
+            return notes, number, line.strip()
+    return notes, 0, ""
+
+
+def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: list[str] | None = None) -> np.ndarray:
+    """Return the columns (k, n) of numbers in numbered lines, less comments; raises `InputError` on any other line."""
+    numbers, names = array("d"), header.split(",")
+    for number, line in lines:
+        if line.startswith("#"):
+            if notes is not None:
+                notes.append(line[1:].strip())
+            continue
+        if not line.strip():
+            continue
+        cells = line.split(",")
+        try:
+            row = [float(cell) for cell in cells] if len(cells) == len(names) else []
+        except ValueError:
+            row = []
+        if not row:
+            raise InputError(
+                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers",
+                remedy=f"write {', '.join(names[:-1])} and {names[-1]} with decimal points",
+                file=path,
+                place=f"line {number}",
+            )
+        numbers.extend(row)
+    return np.frombuffer(numbers, dtype=float).reshape(-1, len(names)).T.copy()
+
+
+def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] | None:
+    """Return the columns (n,) of numbers in the lines of a small file; nothing where they hold anything else."""
+    rows = [line for _, line in lines if line]
+    try:
+        found = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.empty((0, 0))
+    except ValueError:
+        return None
+    return list(found.T.copy()) if found.shape[1] == width else None
+
+
+def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
+    """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else.
+
+    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`).
+
+    Raises
+    ------
+    InputError
+        When a time, load or depth is not a number, or a time does not increase; points that are not kept count as well.
+    """
+    import pyarrow as pa
+    from pyarrow import csv
+
+    names = [str(k) for k in range(width)]
+    reading = csv.ReadOptions(skip_rows=header, column_names=names, block_size=BLOCK)
+    converting = csv.ConvertOptions(column_types=dict.fromkeys(names, pa.float64()), null_values=[])
+    kept, count, every = list[np.ndarray](), 0, max(math.ceil((_line_count(path) - header) / MOST), 1)
+    try:
+        with csv.open_csv(path, read_options=reading, convert_options=converting) as stream:
+            last = np.empty((width, 0))
+            for block in stream:
+                rows = np.column_stack([last, np.array([column.to_numpy() for column in block.columns])])
+                check_points(rows[0], rows[1], rows[2], first=count + 1 - last.shape[1])
+                kept.append(rows[:, last.shape[1] + -count % every :: every].copy())
+                last, count = rows[:, -1:].copy(), count + len(block)
+    except pa.ArrowInvalid:
+        return None
+    if count and (count - 1) % every:
+        kept.append(last)
+    return list(np.concatenate(kept, axis=1)) if kept else None
+
+
+def _line_count(path: Path) -> int:
+    """Return how many lines of a file are ended."""
+    with path.open("rb") as stream:
+        return sum(block.count(b"\n") for block in iter(lambda: stream.read(BLOCK), b""))
+
+
+def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recording:
+    """Return the recording that numbered lines hold; raises `InputError` as `read_recording` does."""
+    notes, number, header = _begun(lines)
+    if not header:
+        raise InputError("the recording is empty", remedy="export the test again", file=path)
+    if re.split(r"[;\t]", header) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
+        raise InputError(
+            "the columns are not separated by commas",
+            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
+            file=path,
+            place=f"line {number}",
+        )
+    if header not in (HEADER, WITH_STIFFNESS):
+        raise InputError(
+            f"header is {header[:60]!r}, expected {HEADER!r}",
+            remedy="rename the columns, with these units",
+            file=path,
+            place=f"line {number}",
+        )
+    width = len(header.split(","))
+    rest = lines if large else list(lines)
+    try:
+        found = _by_columns(path, number, width) if large else _at_once(rest, width)
+        time, load, depth, *stiffness = _columns(rest, header, path, notes) if found is None else found
+        return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)
+    except InputError as error:
+        raise error.located(file=path) from None
