@@ -1,12 +1,13 @@
-"""What of a test lies in air: before the tip touches, and after it has left."""
+"""What of a test is none: rest before the instrument moves, air before the tip touches, and air after it has left."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import median_filter, uniform_filter1d
 
+from indentation_files.borne_load import OUTLIER
 from indentation_files.channel_noise import noise_of, noises_of
 from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, loading
 from indentation_files.departure import departure
@@ -19,6 +20,11 @@ FIRST = 5  # points, chosen: the median of their loads is what the load in air i
 NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
 ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
 TOGETHER = 1_000_000  # points, looked at at once
+STEPS_AT_REST = 3  # sampling steps, chosen: the first sample or two are where a test begins
+LEAST_REST = 0.01  # of the time from the first movement to the largest load, chosen: a shorter rest is no matter
+MOVES_LATE = 0.8  # of the time until a channel leaves its noise, chosen: what moves from the start rests for less
+AVERAGES = 50  # of which a rest, or the loading after it, is made, chosen
+ROUNDING = 1e-6  # of a channel's range: what a channel without noise may differ by
 FINDS = "--contact auto finds the contact"
 
 
@@ -223,3 +229,41 @@ def _in_air_again(load: np.ndarray, back: int, noise: float) -> int:
     pressed = int(np.flatnonzero(load > PRESSED * load.max())[-1])
     fallen = np.flatnonzero(load[pressed:back] <= level + CLEAR * noise)
     return pressed + int(fallen[0]) if len(fallen) else back
+
+
+def without_rest(r: Recording) -> tuple[Recording, tuple[str, ...]]:
+    """Return a recording that begins at its first movement, and a message where a rest before it is left out.
+
+    During a rest load and depth stay at their first level, to their noise, and the level of the load is zero. A hold
+    without load after unloading is recovery, and stays. The zeros of time and depth stay as they are.
+    """
+    peak = int(np.argmax(r.load))
+    last = _last_at_rest(r.load[:peak], r.depth[:peak], float(r.load[peak])) if peak > FIRST else 0
+    rest = float(r.time[last] - r.time[0])
+    if last < STEPS_AT_REST or rest <= LEAST_REST * float(r.time[peak] - r.time[last]):
+        return r, ()
+    message = f"the instrument rests without load for the first {rest:.4g} s: these {last} points are left out"
+    return r.at(slice(last, None)), (message,)
+
+
+def _last_at_rest(load: np.ndarray, depth: np.ndarray, largest: float) -> int:
+    """Return the last point at rest of channels (n,) up to the `largest` load; 0 where there is no rest.
+
+    Its average is the last at or below its level before load or depth leaves the noise, whichever does first: no part
+    of the movement is lost. Where the depth stands still, the load's noise does not matter.
+    """
+    moved = np.zeros(len(load), dtype=bool)
+    for channel in (load, depth):
+        clear = max(CLEAR * noise_of(channel), BARELY_LOADED * float(np.ptp(channel)))
+        moved |= np.abs(median_filter(channel, OUTLIER, mode="nearest") - np.median(channel[:FIRST])) > clear
+    still = int(np.argmax(moved))
+    if not still or abs(np.median(load[:still])) > max(CLEAR * noise_of(load), BARELY_LOADED * largest):
+        return 0
+    if np.ptp(depth[:still]) <= ROUNDING * np.ptp(depth):
+        return still - 1
+    ends = []
+    for channel in (load[:still], depth[:still]):
+        smooth = uniform_filter1d(channel, max(min(still, len(moved) - still) // AVERAGES, 1))
+        at_level = smooth <= np.median(channel[: still // 2 + 1]) + ROUNDING * np.ptp(channel)
+        ends.append(int(np.flatnonzero(at_level)[-1]) if at_level.any() else 0)
+    return min(ends) if min(ends) > MOVES_LATE * still else 0

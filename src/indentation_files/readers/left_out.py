@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import io
 import re
+import zipfile
 from collections.abc import Sequence
 
+from indentation_files.bounded_process import MEMORY
 from indentation_files.errors import InputError
 from indentation_files.readers.column_map import ColumnMap, called, columns_of
-from indentation_files.readers.formulas import without_values
 from indentation_files.readers.headings import channel_of
 from indentation_files.readers.tables import Table, header_of
 from indentation_files.readers.units import CHANNELS
 from indentation_files.readers.vendor import Unreadable
+
+# cells of a program that leaves it to a spreadsheet program to reckon its formulas
+FORMULA = rb"(?:</(?:\w+:)?f>|<(?:\w+:)?f\b[^>]*/>)"
+NO_VALUE = rb"(?:<(?:\w+:)?v\s*/>|<(?:\w+:)?v>\s*</(?:\w+:)?v>)?"
+WITHOUT_VALUE = re.compile(FORMULA + rb"\s*" + NO_VALUE + rb"\s*</(?:\w+:)?c>")
 
 
 def nothing_found(tables: Sequence[Table], columns: ColumnMap) -> InputError:
@@ -49,7 +56,7 @@ def left_out(table: Table, columns: ColumnMap) -> Unreadable | None:
 def _unsaved(table: Table, columns: ColumnMap) -> InputError | None:
     """Return the error of columns with empty cells in a workbook whose formulas hold no values."""
     found = columns_of(table, columns)
-    if found is None or not without_values(table.source.content):
+    if found is None or not _without_values(table.source.content):
         return None
     if all(_filled(row) == len(CHANNELS) for row in table.body(*found).rows):
         return None
@@ -102,3 +109,14 @@ def _row_with_digits(tables: Sequence[Table], columns: ColumnMap) -> str:
             if body and all(map(str, row)) and re.search(r"\d", cells):
                 return f" ({body.place(k)}: {cells!r})"
     return ""
+
+
+def _without_values(content: bytes) -> bool:
+    """Return whether a sheet of the workbook holds a cell with a formula and no value, which reads as empty."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            small = [member.filename for member in archive.infolist() if member.file_size <= MEMORY]
+            sheets = [name for name in small if re.fullmatch(r"xl/worksheets/\w+\.xml", name)]
+            return any(WITHOUT_VALUE.search(archive.read(name)) for name in sheets)
+    except zipfile.BadZipFile:
+        return False

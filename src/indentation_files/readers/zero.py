@@ -28,8 +28,8 @@ from indentation_files.readers.in_air import (
     share_in_air,
     sloping,
     until_retreat,
+    without_rest,
 )
-from indentation_files.readers.rest import without_rest
 from indentation_files.readers.source import numbers_of
 from indentation_files.readers.units import CHANNELS, to_turn
 from indentation_files.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
