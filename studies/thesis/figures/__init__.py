@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from palpate.base.discovery import discover
+from indentation_files.discovery import discover
 from palpate.output.figures.paper_figure import PaperFigure
 
 FIGURES: dict[str, PaperFigure[Mapping[str, Any]]] = {
