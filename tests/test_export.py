@@ -135,7 +135,6 @@ def test_plasticity_is_a_hardening_line():
         (values(DRUCKER), "calculix", "drucker_prager"),
         (values(DRUCKER), "abaqus", "drucker_prager"),
         (values(BACKED | {"hardening": 0.1}), "calculix", "no kinematic hardening beside isotropic"),
-        (values(EYRING | {"model": "eyring+kinematic_hardening", "kinematic_modulus": 0.3}), "abaqus", "eyring"),
         (values(CREEPING), "abaqus", "does not know the law kinematic_hardening"),
         (values(EYRING), "calculix", "does not know the law eyring"),
         (values(EYRING | NORTON | {"model": "nonlinear_burgers+eyring"}), "abaqus", "does not know the law eyring"),

@@ -136,23 +136,6 @@ class BackStress:
 Term = Creep | Voigt | LinearVoigt | Yield | BackStress
 
 
-def check_together(key: str, terms: Sequence[Term]) -> None:
-    """Refuse terms that do not act together in a law of that `key`; raises `InputError`."""
-    if sum(isinstance(term, Yield) or (isinstance(term, Creep) and term.hardens) for term in terms) > 1:
-        raise InputError(
-            f"{key} has more than one law that hardens with its plastic strain",
-            remedy="leave one of them out",
-            place="model",
-        )
-    back = any(isinstance(term, BackStress) for term in terms)
-    if back and not any(isinstance(term, Creep | Voigt | Yield) for term in terms):
-        raise InputError(
-            f"{key} has no flow that a back stress acts against",
-            remedy="join a law that flows, such as eyring+kinematic_hardening",
-            place="model",
-        )
-
-
 @dataclass(frozen=True)
 class Law:
     """A constitutive law: Hooke's law and the strains of some terms, under the same stress.
@@ -202,11 +185,28 @@ class Law:
         """Return all parameters by name, checked; raises `InputError`."""
         return check_values(self.declared(values), values, f"material model {self.key}")
 
+    def check_together(self) -> None:
+        """Refuse terms that cannot act together, whatever their values; raises `InputError`."""
+        defaults = {p.name: p.default for p in self.flow if p.default is not None}
+        terms = self.terms(defaults | dict(self.example))
+        if sum(isinstance(term, Yield) or (isinstance(term, Creep) and term.hardens) for term in terms) > 1:
+            raise InputError(
+                f"{self.key} has more than one law that hardens with its plastic strain",
+                remedy="leave one of them out",
+                place="model",
+            )
+        back = any(isinstance(term, BackStress) for term in terms)
+        if back and not any(isinstance(term, Creep | Voigt | Yield) for term in terms):
+            raise InputError(
+                f"{self.key} has no flow that a back stress acts against",
+                remedy="join a law that flows, such as eyring+kinematic_hardening",
+                place="model",
+            )
+
     def coefficients(self, values: Mapping[str, object]) -> np.ndarray:
         """Return the row (c,) of `palpate.materials.flow.row` for `values`; raises `InputError`."""
         checked = self.check(values)
         modulus, ratio = checked["youngs_modulus"], checked["poisson_ratio"]
         terms = self.terms(checked)
-        check_together(self.key, terms)
         shear, bulk = modulus / (2 * (1 + ratio)), modulus / (3 * (1 - 2 * ratio))
         return packed(shear, bulk, [term.block for term in terms], any(term.pressed for term in terms))
