@@ -107,6 +107,7 @@ LARGE_MODULES = {
     "solver/simulation.py": "the one entry to the solvers",
 }
 LARGE_FUNCTIONS = {
+    "solver/axisymmetric/element.py internal_forces": "one pass over an element's Gauss points",
     "solver/axisymmetric/hencky.py stiffness": "one pass over an element's Gauss points",
     "solver/axisymmetric/newton.py advance": "one loop, whose lanes share twenty arrays",
     "solver/pyramid/element_3d.py assemble": "one pass over the elements",

@@ -124,15 +124,13 @@ def compliance(q, log_q, alpha, pressure, law, step):
 
 @njit(cache=True, forceinline=True)
 def borne(secant, order, push, step):
-    """Return what a back stress makes of q/rho, d ln q / d ln rho and dq/dp: those of the part of s that R directs.
+    """Return what a back stress makes of the `secant` q/rho, `order` and `push`: those of the part of s along R.
 
-    That part is q/(1 + B c) + c rho along R / rho.
+    That part is q/(1 + B c) + c rho. Without a back stress they are returned as they are, to the last digit.
     """
-    split = entry(step, SPLIT)
-    flowing = split * secant
-    whole_secant = flowing + entry(step, STIFFENING)
-    # Without a back stress order is returned as it is, to the last digit.
-    return whole_secant, order + (entry(step, STIFFENING) / whole_secant) * (1.0 - order), split * push
+    split, stiffening = entry(step, SPLIT), entry(step, STIFFENING)
+    both = split * secant + stiffening
+    return both, order + (stiffening / both) * (1.0 - order), split * push
 
 
 @njit(cache=True)
