@@ -89,6 +89,34 @@ def test_surface_in_lanes(benchmark, kinematics, mechanism):
     benchmark.extra_info["times_faster"] = 8 * min(single) / min(together)
 
 
+@pytest.mark.parametrize("kinematics", ["small", "large"])
+def test_flow_that_hardens(benchmark, kinematics):
+    """Eight materials with Eyring flow, one that hardens, and a back stress beside it, by turns in CPU time."""
+    plain = {"reference_rate": 1e-6, "eyring_stress": 0.01, "pressure_coefficient": 0.1}
+    flows = {
+        "eyring": plain,
+        "hardening_eyring": plain | {"hardening": 0.1},
+        "hardening_eyring+kinematic_hardening": plain | {"hardening": 0.1, "kinematic_modulus": 0.2},
+    }
+    once, seconds = specification(kinematics), {model: [] for model in flows}
+
+    def eight(model):
+        moduli = 3.28 * np.linspace(0.9, 1.1, 8)
+        hooke = [{"youngs_modulus": float(modulus), "poisson_ratio": 0.34} for modulus in moduli]
+        return [replace(once, model=model, parameters=own | flows[model]) for own in hooke]
+
+    def turn():
+        for model in flows:
+            began = process_time()
+            simulate_batch(eight(model))
+            seconds[model].append(process_time() - began)
+
+    turn()
+    benchmark.pedantic(turn, rounds=4)
+    for model in flows:
+        benchmark.extra_info[f"{model}_over_eyring"] = min(seconds[model]) / min(seconds["eyring"])
+
+
 def test_memory_of_a_process_that_simulates(benchmark):
     code = (
         "import resource, sys; sys.path.insert(0, 'benchmarks'); import bench_solver as b; "

@@ -115,6 +115,7 @@ LARGE_MODULES = {
     "palpate/solver/simulation.py": "the one entry to the solvers",
 }
 LARGE_FUNCTIONS = {
+    "palpate/solver/axisymmetric/element.py internal_forces": "one pass over an element's Gauss points",
     "palpate/solver/axisymmetric/hencky.py stiffness": "one pass over an element's Gauss points",
     "palpate/solver/axisymmetric/newton.py advance": "one loop, whose lanes share twenty arrays",
     "palpate/solver/pyramid/element_3d.py assemble": "one pass over the elements",

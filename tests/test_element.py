@@ -5,8 +5,8 @@ import pytest
 from bodies import beneath, square
 from kernels import contact_forces, fit, from_python, no_coupling
 
-from palpate.materials import LAWS
-from palpate.materials.flow.row import BULK, SHEAR, step_weights
+from palpate.materials import LAWS, law_of
+from palpate.materials.flow.row import BACK_STRESS, BULK, SHEAR, step_weights
 from palpate.solver.axisymmetric import element, hencky
 from palpate.solver.axisymmetric.bordered import System
 from palpate.solver.axisymmetric.element import Body
@@ -24,7 +24,9 @@ from studies.verification.reference_materials import BURGERS, HOOKE
 ELASTIC = LAWS["elastic"].coefficients(HOOKE)
 COARSE = Resolution(growth=1.5, sectors=3)
 CREEP = LAWS["nonlinear_burgers"].coefficients(BURGERS)
-YIELDING = LAWS["burgers_plasticity"].coefficients(BURGERS | {"yield_stress": 0.05, "hardening": 0.3})
+PLASTIC = {"yield_stress": 0.05, "hardening": 0.3}
+YIELDING = LAWS["burgers_plasticity"].coefficients(BURGERS | PLASTIC)
+BACKED = law_of("burgers_plasticity+kinematic_hardening").coefficients(BURGERS | PLASTIC | {"kinematic_modulus": 0.8})
 
 
 def laws_and_weights(coefficients, dt=0.7):
@@ -82,15 +84,15 @@ def test_an_element_that_shrinks_to_a_point_is_inside_out(angle, excess):
 
 
 @pytest.mark.parametrize("large", [False, True])
-@pytest.mark.parametrize("coefficients", [CREEP, YIELDING], ids=["creep", "yield"])
+@pytest.mark.parametrize("coefficients", [CREEP, YIELDING, BACKED], ids=["creep", "yield", "back stress"])
 def test_stiffness_is_the_symmetric_part_of_the_derivative(large, coefficients):
     """By finite differences, at random displacements and histories; at small strains the derivative is symmetric."""
     rng = np.random.default_rng(3)
     body, kernel = Body.of(polar_mesh(np.array([0.5, 1.0, 1.6]), 3)), hencky if large else element
-    points = Points.unloaded(len(body.volumes) * 4, 2)
+    points = Points.unloaded(len(body.volumes) * 4, 2, bool(coefficients[BACK_STRESS]))
     past = rng.normal(scale=0.01, size=points.past.shape[:2])
     past[:, 2] = -past[:, 0] - past[:, 1]
-    points.past[:], points.alpha[:] = past[:, :, None], 0.01
+    points.past[:], points.alpha[:], points.back[:] = past[:, :, None], 0.01, 3.0 * past[: len(points.back), :, None]
     u, step = np.append(rng.normal(scale=0.03, size=body.size), 0.0), 1e-6
 
     def forces(at):
@@ -99,11 +101,11 @@ def test_stiffness_is_the_symmetric_part_of_the_derivative(large, coefficients):
     units = step * np.eye(body.size + 1)[:-1]
     derivative = np.stack([(forces(u + unit) - forces(u - unit)) / (2 * step) for unit in units], axis=1)
     forces(u)
-    band, laws = np.zeros((body.size * body.width + 1, LANES)), laws_and_weights(coefficients)[0]
+    band, laws = np.zeros((body.size * body.width + 1, LANES)), laws_and_weights(coefficients)
     if large:
-        from_python(kernel.stiffness)(body, points, laws, np.repeat(u[:, None], LANES, axis=1), np.ones(LANES), band)
+        from_python(kernel.stiffness)(body, points, *laws, np.repeat(u[:, None], LANES, axis=1), np.ones(LANES), band)
     else:
-        from_python(kernel.stiffness)(body, points, laws, band)
+        from_python(kernel.stiffness)(body, points, *laws, band)
     columns = band[:-1, 0].reshape(body.size, body.width)
     expected = 0.5 * (derivative + derivative.T)
     for i in range(body.size):

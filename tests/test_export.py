@@ -36,6 +36,8 @@ LUDWIK = {"yield_stress": 0.06, "strength": 0.2, "hardening_exponent": 0.3}
 PRESSED = {"pressure_coefficient": 0.1}
 DRUCKER = HOOKE | PRESSED | {"model": "drucker_prager", "yield_stress": 0.1, "hardening": 0.5}
 EYRING = HOOKE | PRESSED | {"model": "eyring", "reference_rate": 1e-8, "eyring_stress": 0.004}
+BACKED = METAL | {"model": "bilinear_plasticity+kinematic_hardening", "hardening": 0.0, "kinematic_modulus": 0.3}
+CREEPING = NORTON | {"model": "kinematic_hardening+nonlinear_burgers", "kinematic_modulus": 0.3}
 BOTH = NORTON | {"model": "burgers_plasticity", "yield_stress": 0.1, "hardening": 0.5}
 
 
@@ -122,6 +124,7 @@ def test_friction_goes_with_the_contact(export, form, name):
 
 def test_plasticity_is_a_hardening_line():
     assert "*PLASTIC\n0.1, 0\n5.1, 10" in deck(specification_from(values(METAL)))
+    assert "*PLASTIC, HARDENING=KINEMATIC\n0.1, 0\n3.1, 10" in deck(specification_from(values(BACKED)))
 
 
 @pytest.mark.parametrize(
@@ -131,6 +134,8 @@ def test_plasticity_is_a_hardening_line():
         (values(BOTH), "calculix", "creep and hardening"),
         (values(DRUCKER), "calculix", "drucker_prager"),
         (values(DRUCKER), "abaqus", "drucker_prager"),
+        (values(BACKED | {"hardening": 0.1}), "calculix", "no kinematic hardening beside isotropic"),
+        (values(CREEPING), "abaqus", "does not know the law kinematic_hardening"),
         (values(EYRING), "calculix", "does not know the law eyring"),
         (values(EYRING | NORTON | {"model": "nonlinear_burgers+eyring"}), "abaqus", "does not know the law eyring"),
         (values(kinematics="large"), "calculix", "kinematics"),

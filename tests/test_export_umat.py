@@ -90,11 +90,11 @@ def reference(coefficients, strain, state, dt):
     deviator[3] *= 0.5
     volume = strain[:3].sum()
     deviator[:3] -= volume / 3
-    history(state, weights, coefficients, past)
+    history(state, weights, coefficients, past, np.empty(4))
     residual = deviator - past
     rho = length(residual, 4)
     q, slope, _ = solve(rho, 0.0, 0.0, 0.0, weights, coefficients)
-    commit(state, residual, q, 0.0, weights, coefficients)
+    commit(state, residual, np.zeros(4), 0.0, q, 0.0, weights, coefficients)
     hydrostatic = np.array([1.0, 1.0, 1.0, 0.0])
     projection = np.diag([1.0, 1.0, 1.0, 0.5]) - np.outer(hydrostatic, hydrostatic) / 3
     tangent = q / rho * projection + (slope - q / rho) * np.outer(residual, residual) / (2 * rho**2)

@@ -12,7 +12,7 @@ from palpate.materials.flow.row import SHEAR, step_weights
 FLOW = {"reference_rate": 1e-8, "eyring_stress": 0.004, "pressure_coefficient": 0.1}
 
 
-def creep(q, pressure):
+def creep(q, pressure, alpha):
     sigma_e = max(np.sqrt(3.0) * q, 1e-12)
     return 1.5 / sigma_e * 1e-8 * np.sinh(sigma_e / 0.004) * np.exp(-0.1 * pressure / 0.004)
 
@@ -24,7 +24,7 @@ def test_a_turning_strain_under_pressure_gives_the_stress_of_the_rate_equations(
     if joined:
         values, model = values | BURGERS_TERMS["values"], "eyring+nonlinear_burgers"
         steady, elements = BURGERS_TERMS["terms"]["creep"], BURGERS_TERMS["terms"]["elements"]
-        both = lambda q, p: creep(q, p) + steady(q, p)  # noqa: E731
+        both = lambda *at: creep(*at) + steady(*at)  # noqa: E731
     expected = integrated(HOOKE, 0.05, 0.03, creep=both, elements=elements)
     coarse, fine = (error(updated(model, values, steps, 0.05, 0.03), expected) for steps in (100, 200))
     assert fine < 1e-4 and fine < 0.3 * coarse

@@ -59,9 +59,9 @@ def assembled(problem, state, displacement, depth=0.0, step=0.3, curved=False):
     work, contact = Workspace.of(problem), Contact3D.resume(problem, state, state)
     contact.large = curved
     contact.follow(displacement, depth)
-    work.past[:], work.alpha[:] = 0.0, 0.0
+    work.past[:], work.back[:], work.alpha[:] = 0.0, 0.0, 0.0
     force, guesses = np.empty((len(mesh.nodes), 3)), np.zeros((len(mesh.elements), 8))
-    points = Points3D(work.past, work.alpha, guesses, work.local)
+    points = Points3D(work.past, work.back, work.alpha, guesses, work.local)
     system = System3D(work.band, work.residual, work.border, force, work.pressing, work.pressure)
     corner = assemble(
         displacement, Hexahedra.of(mesh), Laws3D(problem.region, laws, step_weights(laws, step)), points,
@@ -124,7 +124,7 @@ def test_one_constraint_an_element_at_incompressibility():
         row = elastic(0.3)
         row[1] = bulk
         ke, fe = np.zeros((25, 25)), np.zeros(25)
-        points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.zeros((8, 6)))
+        points = Points3D(*np.zeros((2, 8, 6)), np.zeros(8), np.zeros(8), np.zeros((8, 6)))
         linear_hexahedron(
             gradients[0], volumes[0], np.zeros((8, 3)), points, (step_weights(row[None], 1.0)[0], row), ke, fe
         )
@@ -198,7 +198,10 @@ def hexahedron():
 def at_large_strains(hexahedron, u, law, past):
     """Return force and stiffness of one element, and the tensors R."""
     ke, fe, local = np.zeros((25, 25)), np.zeros(25), np.empty((8, 6))
-    points, law = Points3D(past, np.zeros(8), np.zeros(8), local), (step_weights(law[None], 1.0)[0], law)
+    points, law = (
+        Points3D(past, np.zeros((8, 6)), np.zeros(8), np.zeros(8), local),
+        (step_weights(law[None], 1.0)[0], law),
+    )
     assert np.isfinite(hexahedron_at_large_strains(*hexahedron[:2], u, points, law, ke, fe, True))
     return fe[:24], ke[:24, :24], local
 
@@ -239,7 +242,7 @@ def test_the_stiffness_at_large_strains_is_the_symmetric_part_of_the_derivative(
 
 def test_an_element_inside_out_is_noticed(hexahedron):
     law = elastic(0.3)
-    points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
+    points = Points3D(*np.zeros((2, 8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
     law = step_weights(law[None], 1.0)[0], law
     mirrored = -2.0 * hexahedron[2] * [0.0, 0.0, 1.0]
     assert np.isnan(
@@ -261,10 +264,11 @@ def test_the_law_does_not_see_the_axes():
         tensor = tensor + tensor.T - 2 * np.trace(tensor) / 3 * np.eye(3)
         rho = np.sqrt(0.5 * np.sum(tensor * tensor))
         for state, strain in zip(states, (tensor, turn @ tensor @ turn.T), strict=True):
-            commit(state, packed(strain), 0.8 * rho, 0.0, step_weights(law[None], 0.2)[0], law)
+            weights = step_weights(law[None], 0.2)[0]
+            commit(state, packed(strain), np.zeros(6), 0.0, 0.8 * rho, 0.0, weights, law)
     past = np.empty((2, 6))
     for state, out in zip(states, past, strict=True):
-        history(state, step_weights(law[None], 0.2)[0], law, out)
+        history(state, step_weights(law[None], 0.2)[0], law, out, np.empty(6))
     xx, yy, zz, xy, yz, zx = past[0]
     rotated = turn @ np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]) @ turn.T
     assert past[1] == pytest.approx(packed(rotated))

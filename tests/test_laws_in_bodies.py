@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kernels import hexahedron_at_large_strains, linear_hexahedron
-from test_laws_of_flow import values
+from test_laws_of_flow import BACKED, values
 from under_a_cone import depths, specification
 
 from palpate.materials import law_of
-from palpate.materials.flow.point import length, solve
-from palpate.materials.flow.row import BULK, step_weights
+from palpate.materials.flow.point import commit, history, length, residual, solve, state_size
+from palpate.materials.flow.row import BACK_STRESS, BULK, SPLIT, STIFFENING, step_weights, voigt_elements
+from palpate.solver.axisymmetric.lanes import LANES
+from palpate.solver.axisymmetric.law_lanes import Points, commit_and_begin
 from palpate.solver.pyramid.linear_3d import Points3D
 from palpate.solver.pyramid.mesh_3d import integration
 
@@ -50,8 +52,36 @@ def test_depth_varies_smoothly_with_the_thickness_of_a_film(key):
     assert np.all(np.abs(change / change.mean() - 1.0) < 0.5)
 
 
+@pytest.mark.parametrize("model", ["burgers_plasticity", "burgers_plasticity+kinematic_hardening", *BACKED])
+def test_lanes_remember_what_points_remember(model):
+    """Steps of a turning strain in unequal times: strain, back stress and alpha that the past fixes are the same."""
+    rng, law = np.random.default_rng(8), law_of(model).coefficients(values(model))
+    rows, count = np.repeat(law[None, :, None], LANES, axis=2), voigt_elements(law)
+    points = Points.unloaded(4, count, bool(law[BACK_STRESS]))
+    state, past, back, strain = np.zeros(state_size(law, 4)), np.empty(4), np.empty(4), np.zeros(4)
+    done = step_weights(rows, 0.5, np.ones(LANES))
+    for dt in (0.5, 0.3, 0.9):
+        weights = step_weights(rows, dt, np.ones(LANES))
+        commit_and_begin(points, rows, done, weights)
+        own, done = np.ascontiguousarray(weights[0, :, 0]), weights
+        alpha = history(state, own, law, past, back)
+        assert points.past[0, :, 0] == pytest.approx(past, rel=1e-9, abs=1e-15)
+        assert points.alpha[0, 0] == pytest.approx(alpha, rel=1e-9, abs=1e-15)
+        if law[BACK_STRESS]:
+            assert points.back[0, :, 0] == pytest.approx(back, rel=1e-9, abs=1e-15)
+        change = rng.normal(scale=0.03, size=4)
+        strain = strain + change - change[:3].mean() * np.array([1.0, 1.0, 1.0, 0.0])
+        trial = residual(strain, past, own)
+        rho = length(trial, 4)
+        q, _, _ = solve(rho, 0.0, alpha, 0.02, own, law)
+        commit(state, trial, back, alpha, q, 0.02, own, law)
+        points.rho[:], points.log_q[:], points.secant[:], points.pressure[:] = rho, np.log(q), q / rho, 0.02
+        points.direction[:] = trial[:, None] / rho
+    assert rho > 0.0 and q > 0.0
+
+
 @pytest.mark.parametrize("large", [False, True])
-@pytest.mark.parametrize("model", ["ludwik_plasticity", "drucker_prager", "eyring", "retardation_spectrum"])
+@pytest.mark.parametrize("model", ["ludwik_plasticity", "drucker_prager", "retardation_spectrum", *BACKED])
 def test_a_hexahedron_bears_the_stress_of_a_point(model, large):
     """A cube that is squeezed and sheared homogeneously: its forces do the work of the point's stress."""
     law = law_of(model).coefficients(values(model))
@@ -61,15 +91,18 @@ def test_a_hexahedron_bears_the_stress_of_a_point(model, large):
     strain = np.diag([0.02, 0.01, -0.05])
     stretch = np.diag(np.exp(np.diag(strain))) - np.eye(3) if large else strain
     u = corners @ stretch
-    points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
+    back = 0.01 * np.array([1.0, -3.0, 2.0, 0.5 * (not large), 0.0, 0.0]) * (weights[STIFFENING] > 0.0)
+    points = Points3D(np.zeros((8, 6)), np.tile(back, (8, 1)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
     ke, fe = np.zeros((25, 25)), np.zeros(25)
     arguments = (gradients, volumes, u, points, (weights, law), ke, fe)
     pressure = hexahedron_at_large_strains(*arguments, True) if large else linear_hexahedron(*arguments)
     assert pressure == pytest.approx(-law[BULK] * np.trace(strain))
     deviator = strain - np.trace(strain) / 3 * np.eye(3)
     rho = length(np.array([*np.diag(deviator), 0.0, 0.0, 0.0]), 6)
-    q, _, _ = solve(rho, 0.0, 0.0, pressure, weights, law)
-    stress = q / rho * deviator - pressure * np.eye(3)
+    q, _, _ = solve(weights[SPLIT] * rho, 0.0, 0.0, pressure, weights, law)
+    along = weights[SPLIT] * (q / rho + weights[STIFFENING])
+    xx, yy, zz, xy, yz, zx = back
+    stress = along * deviator - pressure * np.eye(3) + np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
     variation = np.random.default_rng(2).normal(size=(3, 3))
     moved = corners @ (variation @ (np.eye(3) + stretch)).T
     work = np.sum(fe[:24] * moved.ravel())
@@ -79,7 +112,7 @@ def test_a_hexahedron_bears_the_stress_of_a_point(model, large):
 
 
 @pytest.mark.parametrize("large", [False, True])
-@pytest.mark.parametrize("model", ["voce_plasticity", "drucker_prager", "eyring+nonlinear_burgers"])
+@pytest.mark.parametrize("model", ["voce_plasticity", "drucker_prager", "eyring+nonlinear_burgers", *BACKED])
 def test_the_stiffness_of_a_hexahedron_is_the_symmetric_part_of_the_derivative(model, large):
     """The pressure couples the flow to the volume, which makes the derivative unsymmetric."""
     rng, law = np.random.default_rng(4), law_of(model).coefficients(values(model))
@@ -88,8 +121,11 @@ def test_the_stiffness_of_a_hexahedron_is_the_symmetric_part_of_the_derivative(m
     gradients, volumes = (np.ascontiguousarray(part[0]) for part in integration(corners[None]))
     u = corners @ np.diag([0.02, 0.02, -0.07]) + 0.005 * rng.standard_normal((8, 3))
 
+    back = 0.01 * rng.standard_normal((8, 6)) * (weights[STIFFENING] > 0.0)
+    back[:, :3] -= back[:, :3].mean(axis=1, keepdims=True)
+
     def forces(u):
-        points = Points3D(np.zeros((8, 6)), np.zeros(8), np.zeros(8), np.empty((8, 6)))
+        points = Points3D(np.zeros((8, 6)), back, np.zeros(8), np.zeros(8), np.empty((8, 6)))
         ke, fe = np.zeros((25, 25)), np.zeros(25)
         arguments = (gradients, volumes, u, points, (weights, law), ke, fe)
         hexahedron_at_large_strains(*arguments, True) if large else linear_hexahedron(*arguments)

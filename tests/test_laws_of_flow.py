@@ -12,12 +12,14 @@ from palpate.materials import LAWS, law_of
 from palpate.materials.first_guess import Glimpse
 from palpate.materials.flow.point import solve
 from palpate.materials.flow.radial import NOTHING, TOLERANCE, compliance, solve_radial, threshold
-from palpate.materials.flow.row import SHARE, SHEAR, in_series, step_weights
+from palpate.materials.flow.row import SHARE, SHEAR, SPLIT, STIFFENING, in_series, step_weights
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
 
 HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
 JOINED = [f"{key}+nonlinear_burgers" for key in LAWS if "burgers" not in key and key != "elastic"]
-MODELS = [*LAWS, *JOINED, "eyring+retardation_spectrum+voce_plasticity"]
+ALONE = [key for key in LAWS if key != "kinematic_hardening"]
+BACKED = ["bilinear_plasticity+kinematic_hardening", "hardening_eyring+kinematic_hardening+retardation_spectrum"]
+MODELS = [*ALONE, *JOINED, *BACKED, "eyring+retardation_spectrum+voce_plasticity"]
 PRESSED = [model for model in MODELS if "eyring" in model or "drucker" in model]
 
 
@@ -91,7 +93,7 @@ def test_a_yield_stress_is_found_where_creep_grows_exponentially_with_it(exponen
 
     def strain(log_slip):
         q = threshold.py_func(np.exp(log_slip), 0.0, row, weights)[0]
-        return compliance.py_func(q, np.log(q), 0.0, row, weights)[0] * q + 0.5 * np.sqrt(3.0) * np.exp(log_slip)
+        return compliance.py_func(q, np.log(q), 0.0, 0.0, row, weights)[0] * q + 0.5 * np.sqrt(3.0) * np.exp(log_slip)
 
     for rho in (0.01, 0.05, 0.2, 1.0):
         log_slip = brentq(lambda y, rho=rho: strain(y) / rho - 1.0, -500.0, np.log(2.0 * rho))
@@ -137,7 +139,7 @@ def test_a_resistance_scales_the_stress_that_flow_needs(model):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_film_and_substrate_in_series_strain_as_their_shares_say(model):
-    """Under one stress rho is the mean of the film's and the substrate's, elastic and flowing strains alike."""
+    """Under one stress the strain is the mean of the film's and the substrate's, elastic and flowing strains alike."""
     film, weights = row_and_weights(model)
     substrate = film.copy()
     substrate[[0, 1]] *= 5.0
@@ -145,10 +147,12 @@ def test_film_and_substrate_in_series_strain_as_their_shares_say(model):
     for share in (0.0, 0.3, 1.0):
         row = in_series(film, substrate, np.array([share]))
         for rho in (0.002, 0.05):
-            q, _, _ = solve(rho, 0.0, 0.0, 0.02, weights, film)
-            mixed = share * rho + (1.0 - share) * q / (2.0 * substrate[SHEAR])
-            found, _, _ = solve(mixed, 0.0, 0.0, 0.02, step_weights(row, 0.6)[0], row[0])
-            assert found == pytest.approx(q, rel=1e-9)
+            own = step_weights(row, 0.6)[0]
+            q, _, _ = solve(weights[SPLIT] * rho, 0.0, 0.0, 0.02, weights, film)
+            stress = weights[SPLIT] * (q + weights[STIFFENING] * rho)
+            mixed = share * rho + (1.0 - share) * stress / (2.0 * substrate[SHEAR])
+            found, _, _ = solve(own[SPLIT] * mixed, 0.0, 0.0, 0.02, own, row[0])
+            assert own[SPLIT] * (found + own[STIFFENING] * mixed) == pytest.approx(stress, rel=1e-9)
 
 
 def test_joined_laws_are_known_by_one_name_in_any_order():
@@ -179,6 +183,7 @@ def test_joined_strains_add():
         ("ludwik_plasticity+voce_plasticity", "yield_stress"),
         ("eyring+drucker_prager", "pressure_coefficient"),
         ("eyring+eyring", "twice"),
+        ("eyring+hardening_eyring", "reference_rate"),
         ("burgers_plasticity+nonlinear_burgers", "twice"),
         ("eyring+rubber", "'rubber' is not known"),
         ("", "is not known"),

@@ -20,11 +20,16 @@ def law_of(model: object) -> Law:
     Raises
     ------
     InputError
-        When a law is not known, or two cannot be joined.
+        When a law is not known, is none by itself, or cannot be joined to another.
     """
-    if model in LAWS:
-        return LAWS[str(model)]
-    names = [name.strip() for name in str(model).split("+")]
+    law = LAWS[str(model)] if model in LAWS else _joined(str(model))
+    law.check_together()
+    return law
+
+
+def _joined(model: str) -> Law:
+    """Return the law of a `model` of several parts; raises `InputError`."""
+    names = [name.strip() for name in model.split("+")]
     for name in names:
         if name not in LAWS:
             raise InputError(

@@ -30,7 +30,7 @@ SMALL = 0.5  # z, below which sinh(z) / z is a series
 
 
 @fluidity
-def sinh_of_stress(law, at, q, log_q, pressure):
+def sinh_of_stress(law, at, q, log_q, pressure, alpha, gain):
     """Return (sqrt(3)/2) r_0 sinh(z) exp(-mu p / sigma_0) / q with z = sqrt(3) q / sigma_0, and its derivatives.
 
     Arguments and result are those of `palpate.materials.flow.registry.fluidity`.

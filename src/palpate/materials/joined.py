@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.materials.first_guess import Glimpse, Guessed
-from palpate.materials.law import Law, Term, Yield
+from palpate.materials.law import Law, Term
 
 
 def joined(laws: Sequence[Law], key: str = "", title: str = "") -> Law:
@@ -17,7 +17,7 @@ def joined(laws: Sequence[Law], key: str = "", title: str = "") -> Law:
     Raises
     ------
     InputError
-        When two of them share a parameter, or both yield.
+        When two of them share a parameter.
     """
     laws = sorted(laws, key=lambda law: law.key)
     key = key or "+".join(law.key for law in laws)
@@ -35,10 +35,7 @@ def joined(laws: Sequence[Law], key: str = "", title: str = "") -> Law:
         )
 
     def terms(values: Mapping[str, float]) -> list[Term]:
-        found = [term for law in laws for term in law.terms(values)]
-        if sum(isinstance(term, Yield) for term in found) > 1:
-            raise InputError(f"{key} has more than one yield stress", remedy="leave one law out", place="model")
-        return found
+        return [term for law in laws for term in law.terms(values)]
 
     def guess(glimpse: Glimpse) -> dict[str, Guessed]:
         return {name: found for law in laws for name, found in law.guess(glimpse).items()}

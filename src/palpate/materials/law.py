@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from palpate.base.parameters import Parameter, check_values
+from palpate.errors import InputError
 from palpate.materials.first_guess import FirstGuess
 from palpate.materials.flow.registry import number_of
-from palpate.materials.flow.row import CREEP, LINEAR, PLASTIC, VOIGT, block, packed
+from palpate.materials.flow.row import BACK, CREEP, HARDENING, LINEAR, PLASTIC, VOIGT, block, packed
 
 YOUNGS_MODULUS = Parameter("youngs_modulus", "E", "GPa", 1e-12, 2000.0, "Young's modulus")
 POISSON_RATIO = Parameter("poisson_ratio", r"\nu", "-", 0.0, 0.4999, "Poisson's ratio")
@@ -29,16 +30,19 @@ class Creep:
         What it reads of the row.
     pressed
         Whether it depends on the pressure.
+    hardens
+        Whether it depends on the equivalent strain of its flow.
     """
 
     fluidity: Callable[..., object]
     numbers: Sequence[float]
     pressed: bool = False
+    hardens: bool = False
 
     @property
     def block(self) -> list[float]:
         """Block of a row, see `palpate.materials.flow.row`."""
-        return block(CREEP, number_of(self.fluidity), 0.0, self.numbers)
+        return block(HARDENING if self.hardens else CREEP, number_of(self.fluidity), 0.0, self.numbers)
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,28 @@ class Yield:
         return block(PLASTIC, number_of(self.strength), 0.0, self.numbers)
 
 
-Term = Creep | Voigt | LinearVoigt | Yield
+@dataclass(frozen=True)
+class BackStress:
+    """A stress X = (2/3) C e_f against all flow, in proportion to its strain e_f.
+
+    Creep, yielding and Voigt elements that are not linear flow by s - X in place of s; e_f is their strain together.
+
+    Parameters
+    ----------
+    modulus
+        C [GPa].
+    """
+
+    modulus: float
+    pressed: bool = field(default=False, init=False)
+
+    @property
+    def block(self) -> list[float]:
+        """Block of a row, see `palpate.materials.flow.row`."""
+        return block(BACK, 0, 0.0, [self.modulus])
+
+
+Term = Creep | Voigt | LinearVoigt | Yield | BackStress
 
 
 @dataclass(frozen=True)
@@ -159,6 +184,24 @@ class Law:
     def check(self, values: Mapping[str, object]) -> dict[str, float]:
         """Return all parameters by name, checked; raises `InputError`."""
         return check_values(self.declared(values), values, f"material model {self.key}")
+
+    def check_together(self) -> None:
+        """Refuse terms that cannot act together, whatever their values; raises `InputError`."""
+        defaults = {p.name: p.default for p in self.flow if p.default is not None}
+        terms = self.terms(defaults | dict(self.example))
+        if sum(isinstance(term, Yield) or (isinstance(term, Creep) and term.hardens) for term in terms) > 1:
+            raise InputError(
+                f"{self.key} has more than one law that hardens with its plastic strain",
+                remedy="leave one of them out",
+                place="model",
+            )
+        back = any(isinstance(term, BackStress) for term in terms)
+        if back and not any(isinstance(term, Creep | Voigt | Yield) for term in terms):
+            raise InputError(
+                f"{self.key} has no flow that a back stress acts against",
+                remedy="join a law that flows, such as eyring+kinematic_hardening",
+                place="model",
+            )
 
     def coefficients(self, values: Mapping[str, object]) -> np.ndarray:
         """Return the row (c,) of `palpate.materials.flow.row` for `values`; raises `InputError`."""

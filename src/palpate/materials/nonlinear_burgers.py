@@ -31,7 +31,7 @@ VOIGT = (
 
 
 @fluidity
-def power_of_stress(law, at, q, log_q, pressure):
+def power_of_stress(law, at, q, log_q, pressure, alpha, gain):
     """Return C J2^m = C q^(2 m), its derivatives by ln q, and none by the pressure.
 
     Arguments and result are those of `palpate.materials.flow.registry.fluidity`.

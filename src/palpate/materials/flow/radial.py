@@ -6,7 +6,9 @@ q = sqrt(s:s/2). With the deviatoric strain e split into elastic, creep, Voigt a
     V(q, p) + (sqrt(3)/2) dalpha = rho,   s = (q/rho) R,   rho = sqrt(R:R/2),
     V = q/(2G) + sum_i (dt/2) phi_i(q, p) q + sum_k c_k phi_k(q, p) q,
 
-where R is e less all that the history fixes and the phi are fluidities of the terms. The pressure p is that of the
+where R is e less all that the history fixes and the phi are fluidities of the terms. A fluidity that falls with the
+equivalent strain alpha of its own flow takes alpha at the end of the step, alpha + g phi, so that it is implicit in
+its law's file and V keeps its one unknown. The pressure p is that of the
 element, p = -K tr(eps), so that the update stays radial. Creep rates are trapezoidal in time; a Voigt strain is
 integrated exactly for a driving term linear in time,
 
@@ -14,6 +16,14 @@ integrated exactly for a driving term linear in time,
 
 with x = dt/t_eps, so it is second order for small steps and stable for steps much longer than t_eps. Plastic flow is
 rate-independent, sqrt(3) q = sigma(alpha, p). Where a resistance r acts, a term flows at the stress over r.
+
+A back stress X = c e_f in proportion to the strain e_f of all terms but linear Voigt elements acts against them: eta =
+s - X drives them in place of s, while s drives Hooke's law and linear Voigt elements, of compliance B together. With
+e_f0 the part of e_f that the history fixes and eta = (q/rho) R, the strains add to (1 + B c) e_f + B eta, so that
+
+    R = e'/(1 + B c) - e_f0,   V = B q/(1 + B c) + ...,   s = q R / (rho (1 + B c)) + c R + c e_f0,
+
+where e' is e less what the history fixes of the linear Voigt elements: the same equation with another R and B.
 
 The unknown is y = ln q. On doubly logarithmic axes every power law is straight and every law here convex, so that
 Newton's method for ln(V/rho) = 0 converges from above, and for power laws at once; far from the solution its steps are
@@ -24,14 +34,15 @@ may begin with an infinite slope or end with none; brackets guard Newton's metho
 with the stress, each of Newton's steps takes no more than a factor of e off V; some iterations then halve the bracket
 instead. A stress that is not found is NaN.
 
-Source: radial return after Simo & Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6.
+Source: radial return after Simo & Hughes, Computational Inelasticity (1998), sections 3.3 and 3.6; W. Prager, J. Appl.
+Mech. 23 (1956) 493-496, for the back stress.
 
 Arguments of the functions, scalars or vectors of lanes:
 
 - `rho`, `q`, `log_q`: invariants of the trial strain R [-] and of the stress [GPa], and the logarithm of q
 - `order`, `push`: d ln q / d ln rho, and dq/dp at constant rho
 - `least`: the q at which plastic flow begins [GPa]
-- `alpha`, `pressure`: equivalent plastic strain at the start of the step, and pressure at its end [GPa]
+- `alpha`, `pressure`: hardening variable as the history fixes it, and pressure at the end of the step [GPa]
 - `law`, `step`: row of the law, and its weights in the time step, see `palpate.materials.flow.row`
 """
 
@@ -58,14 +69,19 @@ from palpate.materials.flow.row import (
     COMPLIANCE,
     FACTORS,
     FIRST,
+    FLOWING,
     FUNCTION,
+    GAIN,
     INVERSE_RESISTANCE,
     LOG_RESISTANCE,
+    NO_SHARE,
     NUMBERS,
     PER_TERM,
     SHARE,
     SHEAR,
     SIZE,
+    SPLIT,
+    STIFFENING,
     YIELD,
 )
 
@@ -76,6 +92,7 @@ SQUARED = 1e-7  # of rho, with plastic flow: the error left is of its second pow
 NOTHING = 1e-150  # takes the place of rho = 0, so that the direction R / rho exists
 UNKNOWN = -45.0  # below it ln q is no guess: from there all `ITERATIONS` would be steps of `UP`
 FAR = 0.6  # value of z beyond which the logarithm of V/rho is taken
+LATE = 12  # iterations after which it is in any case; chosen
 DOWN, UP = 2.0, 1.0  # longest steps of ln q from far away: a law's sinh ends where its exponential would overflow
 LOWEST, HIGHEST = -1e3, 1e3  # of ln q
 DEEP = 80.0  # range of ln(dalpha) below its largest value
@@ -85,7 +102,7 @@ ROOT3 = math.sqrt(3.0)
 
 
 @njit(cache=True, forceinline=True)
-def compliance(q, log_q, pressure, law, step):
+def compliance(q, log_q, alpha, pressure, law, step):
     """Return V/q, its first and second derivative by ln q, and its derivative by the pressure."""
     inverse = entry(step, INVERSE_RESISTANCE)
     q, log_q, pressure = q * inverse, log_q - entry(step, LOG_RESISTANCE), pressure * inverse
@@ -95,7 +112,7 @@ def compliance(q, log_q, pressure, law, step):
     # Term after term of the row, up to the last one whose strain depends on the stress alone.
     while at < end:
         value, first, second, by_pressure = fluidity_of(
-            whole(law, at + FUNCTION), law, at + NUMBERS, q, log_q, pressure
+            whole(law, at + FUNCTION), law, at + NUMBERS, q, log_q, pressure, alpha, entry(step, k + GAIN) * q
         )
         factor = entry(step, k)
         total, slope = total + factor * value, slope + factor * first
@@ -103,6 +120,17 @@ def compliance(q, log_q, pressure, law, step):
         k += PER_TERM
         at += whole(law, at + SIZE)
     return total, slope, curve, push * inverse
+
+
+@njit(cache=True, forceinline=True)
+def borne(secant, order, push, step):
+    """Return what a back stress makes of the `secant` q/rho, `order` and `push`: those of the part of s along R.
+
+    That part is q/(1 + B c) + c rho. Without a back stress they are returned as they are, to the last digit.
+    """
+    split, stiffening = entry(step, SPLIT), entry(step, STIFFENING)
+    both = split * secant + stiffening
+    return both, order + (stiffening / both) * (1.0 - order), split * push
 
 
 @njit(cache=True)
@@ -113,7 +141,7 @@ def threshold(alpha, pressure, law, step):
         whole(law, at + FUNCTION), law, at + NUMBERS, alpha, pressure * inverse
     )
     factor = 1.0 / (ROOT3 * inverse)
-    stress = where_less(entry(law, SHARE), constant(alpha, 1e-12), constant(alpha, 1e30), stress * factor)
+    stress = where_less(entry(law, SHARE), constant(alpha, NO_SHARE), constant(alpha, 1e30), stress * factor)
     return stress, hardening * factor, by_pressure * (1.0 / ROOT3)
 
 
@@ -124,7 +152,7 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     Parameters
     ----------
     alpha, pressure
-        Plastic strain at the start of the step, and pressure at its end [GPa].
+        Hardening variable as the history fixes it, and pressure at the end of the step [GPa].
     law, step
         Rows, see `palpate.materials.flow.row`.
 
@@ -140,9 +168,9 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
     found, found_log, found_order, found_push = rho, rho, rho, rho
     lowest, highest = constant(rho, LOWEST), constant(rho, HIGHEST)
     zero, open = constant(rho, 0.0), constant(rho, 1.0)  # one in lanes that have not converged
-    for _ in range(ITERATIONS):
+    for iteration in range(ITERATIONS):
         q = exponential(log_q)
-        total, slope, curve, by_pressure = compliance(q, log_q, pressure, law, step)
+        total, slope, curve, by_pressure = compliance(q, log_q, alpha, pressure, law, step)
         # V = total q, so d ln V / d ln q = growth / total; bend is the same of growth.
         growth = total + slope
         bend = growth + slope + curve
@@ -166,8 +194,10 @@ def solve_radial(rho, last, log_q, order, alpha, pressure, law, step):
         if greatest(open) == 0.0:
             break
         # Some lane is far away: the whole logarithm, a step of limited length, and halving where it leaves its bracket.
-        if greatest(where_less(zero, open, magnitude(excess), zero)) > FAR:
-            away = where_less(constant(rho, FAR), magnitude(excess), open, zero)
+        # The same where Newton's method goes to and fro about a kink, as where flow hardens at once.
+        farthest = FAR if iteration < LATE else 0.0
+        if greatest(where_less(zero, open, magnitude(excess), zero)) > farthest:
+            away = where_less(constant(rho, farthest), magnitude(excess), open, zero)
             far = logarithm(value / rho) * both * inverse * total * total
             far = where_less(far, constant(far, DOWN), far, constant(far, DOWN))
             far = where_less(far, constant(far, -UP), constant(far, -UP), far)
@@ -192,9 +222,9 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
     """Return what `solve_radial` does, from its `unyielding` solution; plastic flow begins at `least` q."""
     q, log_q, order, push = unyielding
     nothing = constant(rho, 0.0)
-    total, _, _, _ = compliance(least, logarithm(least), pressure, law, step)
-    share = where_less(entry(law, SHARE), constant(rho, 1e-12), constant(rho, 1e-12), entry(law, SHARE))
-    share = (0.5 * ROOT3) * share
+    total, _, _, _ = compliance(least, logarithm(least), alpha, pressure, law, step)
+    share = where_less(entry(law, SHARE), constant(rho, NO_SHARE), constant(rho, NO_SHARE), entry(law, SHARE))
+    share = FLOWING * share
     floor = 1e-17 * rho
     # The slip is largest where all strain beyond the yield point is plastic without hardening; the search begins there.
     slip = where_less(least, q, rho - total * least, rho)
@@ -207,7 +237,7 @@ def flow(rho, unyielding, least, alpha, pressure, law, step):
     for iteration in range(ITERATIONS):
         slip = exponential(log_slip)
         stress, harder, by_stress = threshold(alpha + slip, pressure, law, step)
-        total, slope, _, by_push = compliance(stress, logarithm(stress), pressure, law, step)
+        total, slope, _, by_push = compliance(stress, logarithm(stress), alpha, pressure, law, step)
         excess = total * stress + share * slip - rho
         # Newton's method for V(q) + (sqrt(3)/2) dalpha = rho at q = sigma(alpha + dalpha) / sqrt(3), by dalpha.
         change = excess / ((total + slope) * harder + share)

@@ -20,9 +20,10 @@ def number_of(function: Callable[..., Any]) -> int:
 def fluidity(function: Function) -> Function:
     """Register a fluidity phi: flow at the rate phi s, or a Voigt element that tends to the strain phi s.
 
-    The function takes ``(law, at, q, log_q, pressure)``: a row whose numbers begin at `at`, the invariant
+    The function takes ``(law, at, q, log_q, pressure, alpha, gain)``: a row whose numbers begin at `at`, the invariant
     q = sqrt(s:s/2) [GPa] with its logarithm, and the pressure [GPa], positive in compression. It returns phi
-    [1/GPa/s or 1/GPa], its first and second derivative by ln q, and its derivative by the pressure.
+    [1/GPa/s or 1/GPa], its first and second derivative by ln q, and its derivative by the pressure. Where flow hardens
+    by its own equivalent strain, phi holds at the strain alpha + gain phi; the gain is in proportion to q.
     """
     return _entered(function, FLUIDITIES)
 

@@ -22,7 +22,7 @@ from palpate.output.export.calculix_deck import material_cards
 from palpate.output.export.cards import REFERENCE, amplitude_cards, indenter_cards, mesh_cards, step_cards
 from palpate.output.export.format import Format, check_exportable
 from palpate.output.export.quadratic import RESOLUTIONS, quadratic_mesh
-from palpate.output.export.terms import steady_creep, strength, voigt_elements
+from palpate.output.export.terms import kinematic_modulus, steady_creep, strength, voigt_elements
 from palpate.study.specification import Specification
 
 SUBROUTINE, PROGRAM = "burgers.f", "Abaqus"
@@ -49,6 +49,7 @@ def deck(specification: Specification) -> str:
         For mechanisms, for laws that neither program nor user material knows, and for creep and yielding together.
     """
     check_exportable(specification)
+    kinematic_modulus(specification, PROGRAM)
     if creeps(specification) and strength(specification, PROGRAM) is not None:
         raise InputError(
             "the user material has no yielding", remedy="use a law that only creeps", place="material.yield_stress"

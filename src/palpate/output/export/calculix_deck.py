@@ -27,7 +27,7 @@ from palpate.output.export.cards import (
 )
 from palpate.output.export.format import Format, check_exportable
 from palpate.output.export.quadratic import RESOLUTIONS, QuadraticMesh, quadratic_mesh
-from palpate.output.export.terms import steady_creep, strength, voigt_elements
+from palpate.output.export.terms import kinematic_modulus, steady_creep, strength, voigt_elements
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.axisymmetric.profile import Profile
 from palpate.study.protocol import Protocol
@@ -46,7 +46,7 @@ def material_cards(specification: Specification, program: str = "CalculiX") -> l
     values = specification.parameters
     cards = ["*MATERIAL, NAME=BODY", "*ELASTIC", f"{values['youngs_modulus']:.12g}, {values['poisson_ratio']:.12g}"]
     hardening = strength(specification, program)
-    coefficient, exponent = steady_creep(specification, program)
+    kinematic, (coefficient, exponent) = kinematic_modulus(specification, program), steady_creep(specification, program)
     for number, (compliance, _, _) in enumerate(voigt_elements(specification), 1):
         if compliance > 0:
             raise InputError(
@@ -61,7 +61,8 @@ def material_cards(specification: Specification, program: str = "CalculiX") -> l
                 remedy="set steady_coefficient to 0",
                 place="material.steady_coefficient",
             )
-        cards += ["*PLASTIC", *(f"{stress:.12g}, {strain:.12g}" for stress, strain in hardening)]
+        cards.append("*PLASTIC, HARDENING=KINEMATIC" if kinematic else "*PLASTIC")
+        cards += [f"{stress + kinematic * strain:.12g}, {strain:.12g}" for stress, strain in hardening]
     if coefficient > 0:
         factor, power = norton(coefficient, exponent)
         cards += ["*CREEP, LAW=NORTON", f"{factor:.12g}, {power:.12g}, 0."]

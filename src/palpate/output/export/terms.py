@@ -1,4 +1,7 @@
-"""What of a law's flow other programs know: power-law creep, Voigt elements, and a yield stress without pressure."""
+"""What of a law's flow other programs know: power-law creep, Voigt elements, and a yield stress without pressure.
+
+Beside a yield stress that does not harden they know a back stress, too.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import numpy as np
 from palpate.errors import InputError
 from palpate.materials import LAWS, law_of
 from palpate.materials.bilinear_plasticity import linear_hardening
-from palpate.materials.law import Creep, LinearVoigt, Term, Voigt, Yield
+from palpate.materials.law import BackStress, Creep, LinearVoigt, Term, Voigt, Yield
 from palpate.materials.nonlinear_burgers import power_of_stress
 from palpate.study.specification import Specification
 
@@ -70,5 +73,29 @@ def strength(specification: Specification, program: str) -> list[tuple[float, fl
     return None
 
 
+def kinematic_modulus(specification: Specification, program: str) -> float:
+    """Return the modulus of the back stress [GPa], zero without.
+
+    Raises
+    ------
+    InputError
+        Where anything but a yield stress that does not harden acts beside it.
+    """
+    terms = terms_of(specification)
+    for back in terms:
+        if isinstance(back, BackStress):
+            beside = [term for term in terms if term is not back]
+            if not all(isinstance(term, Yield) and term.strength is linear_hardening for term in beside):
+                raise refuse(specification, program, back)
+            if specification.parameters["hardening"] > 0.0:
+                raise InputError(
+                    f"{program} has no kinematic hardening beside isotropic hardening",
+                    remedy="set hardening to 0",
+                    place="material.hardening",
+                )
+            return back.modulus
+    return 0.0
+
+
 def _function(term: Term) -> object:
-    return getattr(term, "fluidity", None) or getattr(term, "strength", None)
+    return getattr(term, "fluidity", None) or getattr(term, "strength", None) or type(term)

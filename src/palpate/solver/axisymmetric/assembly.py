@@ -50,10 +50,10 @@ def _stiffness(setup, material, displacement, geometric, band):
     """Return the function for the type of `large`."""
 
     def at_small_strains(setup, material, displacement, geometric, band):
-        _small_stiffness(setup.body, material.points, material.laws, band)
+        _small_stiffness(setup.body, material.points, material.laws, material.weights, band)
 
     def at_large_strains(setup, material, displacement, geometric, band):
-        _large_stiffness(setup.body, material.points, material.laws, displacement, geometric, band)
+        _large_stiffness(setup.body, material.points, material.laws, material.weights, displacement, geometric, band)
 
     return at_small_strains if _is_small(setup) else at_large_strains
 

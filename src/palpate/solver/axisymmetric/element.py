@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.materials.flow.radial import NOTHING, solve_radial
-from palpate.materials.flow.row import BULK, PRESSED, YIELD
+from palpate.materials.flow.radial import NOTHING, borne, solve_radial
+from palpate.materials.flow.row import BACK_STRESS, BULK, PRESSED, SPLIT, STATE
 from palpate.solver.axisymmetric.banded import PANEL
 from palpate.solver.axisymmetric.lanes import LANES, load, root, splat, store, where_less
 from palpate.solver.axisymmetric.law_lanes import region_of
@@ -107,7 +107,8 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     for e in range(body.unknowns.shape[0]):
         region = region_of(e, laws)
         law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
-        pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
+        pressed, stateful = law[PRESSED, 0] > 0.0, law[STATE, 0] > 0.0
+        backed, split = law[BACK_STRESS, 0] > 0.0, load(step, SPLIT)
         dilatation = body.dilatation[e]
         # Mean dilatation of the element: its four Gauss points share one pressure, or isochoric flow would lock it.
         theta = splat(0.0)
@@ -132,15 +133,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
                 erz = erz + (gradients[1, a] * radial + gradients[0, a] * vertical)
             mean = (err + ezz + ett) * (1.0 / 3.0)
             # R of the radial equation: the strain deviator less what the history fixes; r3 is half of the shear angle.
-            r0 = err - mean - load(points.past, 4 * p)
-            r1 = ezz - mean - load(points.past, 4 * p + 1)
-            r2 = ett - mean - load(points.past, 4 * p + 2)
-            r3 = 0.5 * erz - load(points.past, 4 * p + 3)
+            r0 = split * (err - mean) - load(points.past, 4 * p)
+            r1 = split * (ezz - mean) - load(points.past, 4 * p + 1)
+            r2 = split * (ett - mean) - load(points.past, 4 * p + 2)
+            r3 = split * (0.5 * erz) - load(points.past, 4 * p + 3)
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
-            # A law that does not yield has no alpha to load; any vector serves in its place.
-            strained = load(points.alpha, p) if yielding else rho
+            # A law that does not harden has no alpha to load; any vector serves in its place.
+            strained = load(points.alpha, p) if stateful else rho
             q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
@@ -154,9 +155,13 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             store(points.direction, 4 * p + 1, r1)
             store(points.direction, 4 * p + 2, r2)
             store(points.direction, 4 * p + 3, r3)
-            # s = (q/rho) R, whose work with the gradients is the force of each node.
-            q = q * volumes[g]
-            r0, r1, r2, r3 = r0 * q, r1 * q, r2 * q, r3 * q
+            # s, along R but for a back stress, whose work with the gradients is the force of each node.
+            size, _, _ = borne(q * inverse, order, push, step)
+            size = size * rho * volumes[g]
+            r0, r1, r2, r3 = r0 * size, r1 * size, r2 * size, r3 * size
+            if backed:
+                r0, r1 = r0 + volumes[g] * load(points.back, 4 * p), r1 + volumes[g] * load(points.back, 4 * p + 1)
+                r2, r3 = r2 + volumes[g] * load(points.back, 4 * p + 2), r3 + volumes[g] * load(points.back, 4 * p + 3)
             for a in range(4):
                 nr, nz, nt = gradients[0, a], gradients[1, a], gradients[2, a]
                 store(f, 2 * a, load(f, 2 * a) + (r0 * nr + r2 * nt + r3 * nz))
@@ -167,23 +172,25 @@ def internal_forces(body, points, laws, weights, displacement, forces):
 
 
 @inner_kernel(cache=True)
-def stiffness(body, points, laws, band):
+def stiffness(body, points, laws, weights, band):
     """Write the lower half of the consistent tangent at the solution of `points` to the `band`.
 
     Of what the pressure does to the flow it holds the symmetric half.
     """
     band[:] = 0.0
     v, w = np.empty((8, 4, LANES)), np.empty((8, 4, LANES))
-    secant, squeeze = np.empty((4, LANES)), np.empty((8, LANES))
+    secant, pushes, squeeze = np.empty((4, LANES)), np.empty((4, LANES)), np.empty((8, LANES))
     for e in range(body.unknowns.shape[0]):
-        law = laws[region_of(e, laws)]
-        bulk, pressed = load(law, BULK), law[PRESSED, 0] > 0.0
+        law, step = laws[region_of(e, laws)], weights[region_of(e, laws)]
+        bulk, pressed, split = load(law, BULK), law[PRESSED, 0] > 0.0, load(step, SPLIT)
         for g in range(4):
             gradients, p = body.gradients[e, g], 4 * e + g
-            ratio = load(points.secant, p)
+            ratio, order, push = borne(load(points.secant, p), load(points.order, p), load(points.push, p), step)
+            ratio = split * ratio
+            store(pushes, g, push)
             store(secant, g, ratio)
             # ds = (q/rho) (dR + (order - 1) direction (direction : dR) / 2): fixed by the mesh, and of rank one.
-            excess = (0.5 * body.volumes[e, g]) * ratio * (load(points.order, p) - 1.0)
+            excess = (0.5 * body.volumes[e, g]) * ratio * (order - 1.0)
             r0, r1 = load(points.direction, 4 * p), load(points.direction, 4 * p + 1)
             r2, r3 = load(points.direction, 4 * p + 2), load(points.direction, 4 * p + 3)
             for a in range(4):
@@ -198,7 +205,7 @@ def stiffness(body, points, laws, band):
             for i in range(8):
                 value = splat(0.0)
                 for g in range(4):
-                    value = value + body.volumes[e, g] * load(points.push, 4 * e + g) * load(v, 4 * i + g)
+                    value = value + body.volumes[e, g] * load(pushes, g) * load(v, 4 * i + g)
                 store(squeeze, i, 0.5 * bulk * value)
         s0, s1, s2, s3 = load(secant, 0), load(secant, 1), load(secant, 2), load(secant, 3)
         pair = 0

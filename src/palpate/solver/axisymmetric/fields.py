@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from palpate.solver.axisymmetric.law_lanes import deviator
 from palpate.solver.axisymmetric.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ class Moment:
         """
         points, count = states.points, len(mesh.elements)
         displacement = states.displacement[mesh.equations, 0]  # those that are held share the last row, which is zero
-        stress = (points.rho * points.secant)[:, None, 0] * points.direction[:, :, 0]
+        stress = deviator(points, states.weights, 0)
         return cls(
             replace(mesh, nodes=unit * mesh.nodes, gradients=mesh.gradients / unit, weights=unit**3 * mesh.weights),
             large,

@@ -33,8 +33,8 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.materials.flow.radial import NOTHING, UNKNOWN, solve_radial
-from palpate.materials.flow.row import BULK, PRESSED, YIELD
+from palpate.materials.flow.radial import NOTHING, UNKNOWN, borne, solve_radial
+from palpate.materials.flow.row import BACK_STRESS, BULK, PRESSED, SPLIT, STATE
 from palpate.solver.axisymmetric.lanes import LANES, exponential, load, log_of_one_plus, root, splat, store, where_less
 from palpate.solver.axisymmetric.law_lanes import region_of
 
@@ -127,7 +127,8 @@ def internal_forces(body, points, laws, weights, displacement, forces):
     for e in range(body.unknowns.shape[0]):
         region = region_of(e, laws)
         law, step, bulk = laws[region], weights[region], load(laws[region], BULK)
-        pressed, yielding = law[PRESSED, 0] > 0.0, law[YIELD, 0] > 0.0
+        pressed, stateful = law[PRESSED, 0] > 0.0, law[STATE, 0] > 0.0
+        backed, split = law[BACK_STRESS, 0] > 0.0, load(step, SPLIT)
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
@@ -138,15 +139,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             gradients, part, p = body.gradients[e, g], parts[g], 4 * e + g
             alpha, beta, hoop = load(part, ALPHA), load(part, BETA), load(part, HOOP)
             mean, half = (2.0 * alpha + hoop) * (1.0 / 3.0), beta * load(part, HALF)
-            r0 = alpha + half - mean - load(points.past, 4 * p)
-            r1 = alpha - half - mean - load(points.past, 4 * p + 1)
-            r2 = hoop - mean - load(points.past, 4 * p + 2)
-            r3 = beta * load(part, SHEAR) - load(points.past, 4 * p + 3)
+            r0 = split * (alpha + half - mean) - load(points.past, 4 * p)
+            r1 = split * (alpha - half - mean) - load(points.past, 4 * p + 1)
+            r2 = split * (hoop - mean) - load(points.past, 4 * p + 2)
+            r3 = split * (beta * load(part, SHEAR)) - load(points.past, 4 * p + 3)
             rho = root(0.5 * (r0 * r0 + r1 * r1 + r2 * r2) + r3 * r3)
             rho = where_less(rho, splat(NOTHING), splat(NOTHING), rho)
             last, log_q, order = load(points.rho, p), load(points.log_q, p), load(points.order, p)
             log_q = where_less(splat(UNKNOWN), log_q, log_q, splat(2.0 * UNKNOWN))
-            strained = load(points.alpha, p) if yielding else rho
+            strained = load(points.alpha, p) if stateful else rho
             q, log_q, order, push = solve_radial(rho, last, log_q, order, strained, squeezed, law, step)
             inverse = 1.0 / rho
             store(points.rho, p, rho)
@@ -161,9 +162,15 @@ def internal_forces(body, points, laws, weights, displacement, forces):
             store(points.direction, 4 * p + 2, r2)
             store(points.direction, 4 * p + 3, r3)
             size = expansion * body.volumes[e, g]
-            s0, s1, s3 = second_stress(part, q * r0 + pressure, q * r1 + pressure, q * r3)
+            secant, _, _ = borne(q * inverse, order, push, step)
+            along = secant * rho
+            t0, t1, t2, t3 = along * r0, along * r1, along * r2, along * r3
+            if backed:
+                t0, t1 = t0 + load(points.back, 4 * p), t1 + load(points.back, 4 * p + 1)
+                t2, t3 = t2 + load(points.back, 4 * p + 2), t3 + load(points.back, 4 * p + 3)
+            s0, s1, s3 = second_stress(part, t0 + pressure, t1 + pressure, t3)
             s0, s1, s3 = size * s0, size * s1, size * s3
-            around = size * (q * r2 + pressure) * load(part, TT)
+            around = size * (t2 + pressure) * load(part, TT)
             frr, frz, fzr, fzz = load(part, RR), load(part, RZ), load(part, ZR), load(part, ZZ)
             prr, prz = frr * s0 + frz * s3, frr * s3 + frz * s1
             pzr, pzz = fzr * s0 + fzz * s3, fzr * s3 + fzz * s1
@@ -242,7 +249,7 @@ def add_curvature(parts, t0, t1, t2, t3, moduli):
 
 
 @inner_kernel(cache=True)
-def stiffness(body, points, laws, displacement, geometric, band):
+def stiffness(body, points, laws, weights, displacement, geometric, band):
     """Write the lower half of the tangent's symmetric part at the solution of `points` to the `band`.
 
     `geometric` (LANES,) is one where the stiffness that stress gives is kept, zero where it is left out, for the matrix
@@ -254,8 +261,9 @@ def stiffness(body, points, laws, displacement, geometric, band):
     b, ke, squeeze = np.empty((32, LANES)), np.empty((36, LANES)), np.empty((8, LANES))
     kept = load(geometric, 0)
     for e in range(body.unknowns.shape[0]):
-        law = laws[region_of(e, laws)]
-        bulk, pressed = load(law, BULK), law[PRESSED, 0] > 0.0
+        law, step = laws[region_of(e, laws)], weights[region_of(e, laws)]
+        bulk, pressed, split = load(law, BULK), law[PRESSED, 0] > 0.0, load(step, SPLIT)
+        backed = law[BACK_STRESS, 0] > 0.0
         for i in range(8):
             store(u, i, load(displacement, body.unknowns[e, i]))
             store(f, i, splat(0.0))
@@ -266,7 +274,9 @@ def stiffness(body, points, laws, displacement, geometric, band):
         expansion = exponential(theta)
         for g in range(4):
             gradients, part, p = body.gradients[e, g], parts[g], 4 * e + g
-            size, ratio = expansion * body.volumes[e, g], load(points.secant, p)
+            size = expansion * body.volumes[e, g]
+            secant, order, slope = borne(load(points.secant, p), load(points.order, p), load(points.push, p), step)
+            ratio = split * secant
             r0, r1 = load(points.direction, 4 * p), load(points.direction, 4 * p + 1)
             r2, r3 = load(points.direction, 4 * p + 2), load(points.direction, 4 * p + 3)
             slopes(gradients, part, b)
@@ -275,9 +285,12 @@ def stiffness(body, points, laws, displacement, geometric, band):
             add_product(rows, 0, (2.0 / 3.0) * ratio, moduli)
             add_product(rows, 1, 2.0 * ratio, moduli)
             add_product(rows, 2, 2.0 * ratio, moduli)
-            add_product(rows, 3, 0.5 * ratio * (load(points.order, p) - 1.0), moduli)
-            q, pressure = ratio * load(points.rho, p) * kept, bulk * theta * kept
-            t0, t1, t2, t3 = q * r0 + pressure, q * r1 + pressure, q * r2 + pressure, q * r3
+            add_product(rows, 3, 0.5 * ratio * (order - 1.0), moduli)
+            along, pressure = secant * load(points.rho, p) * kept, bulk * theta * kept
+            t0, t1, t2, t3 = along * r0 + pressure, along * r1 + pressure, along * r2 + pressure, along * r3
+            if backed:
+                t0, t1 = t0 + kept * load(points.back, 4 * p), t1 + kept * load(points.back, 4 * p + 1)
+                t2, t3 = t2 + kept * load(points.back, 4 * p + 2), t3 + kept * load(points.back, 4 * p + 3)
             add_curvature(part, t0, t1, t2, t3, moduli)
             s0, s1, s3 = second_stress(part, t0, t1, t3)
             for i in range(8):
@@ -288,7 +301,7 @@ def stiffness(body, points, laws, displacement, geometric, band):
                 store(f, i, load(f, i) + size * push)
                 if pressed:
                     along = load(rows, 12) * b0 + load(rows, 13) * b1 + load(rows, 14) * b2 + load(rows, 15) * b3
-                    store(squeeze, i, load(squeeze, i) + size * load(points.push, p) * kept * along)
+                    store(squeeze, i, load(squeeze, i) + size * slope * kept * along)
                 h0 = load(moduli, 0) * b0 + load(moduli, 4) * b1 + load(moduli, 8) * b2 + load(moduli, 12) * b3
                 h1 = load(moduli, 4) * b0 + load(moduli, 5) * b1 + load(moduli, 9) * b2 + load(moduli, 13) * b3
                 h2 = load(moduli, 8) * b0 + load(moduli, 9) * b1 + load(moduli, 10) * b2 + load(moduli, 14) * b3

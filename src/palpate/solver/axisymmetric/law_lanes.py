@@ -8,7 +8,6 @@ Arguments of the functions, vectors of lanes: `rho`, `q`, `log_q`, `alpha`, `pre
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -17,31 +16,38 @@ from numba import njit
 from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.arithmetic import whole
 from palpate.materials.flow.dispatch import fluidity_of
-from palpate.materials.flow.radial import AT_YIELD, UNKNOWN, compliance, threshold
+from palpate.materials.flow.radial import AT_YIELD, UNKNOWN, borne, compliance, threshold
 from palpate.materials.flow.row import (
+    BACK,
+    BACK_STRESS,
     CLOSING,
     CREEP,
     DECAY,
     FACTORS,
     FIRST,
+    FLOWING,
     FUNCTION,
+    GAIN,
+    HARDENING,
     INVERSE_RESISTANCE,
     KIND,
     LINEAR,
     LOG_RESISTANCE,
+    NO_SHARE,
     NUMBERS,
     OPENING,
     PER_TERM,
     PLASTIC,
     SHARE,
     SIZE,
+    SPLIT,
+    STIFFENING,
     YIELD,
 )
 from palpate.solver.axisymmetric.lanes import LANES, greatest, load, magnitude, splat, store, where_less
 from palpate.solver.axisymmetric.rows import put_rows
 
 STEEPEST = 2.0  # factor between the rates that end a step and begin the next one, where the resistance falls
-FLOWING = 0.5 * math.sqrt(3.0)  # plastic strain deviator over the equivalent plastic strain
 
 
 class Points(NamedTuple):
@@ -49,8 +55,9 @@ class Points(NamedTuple):
 
     Attributes
     ----------
-    past : ndarray, shape (p, 4, LANES)
-        Strain that the history fixes.
+    past, back : ndarray, shape (p, 4, LANES)
+        Strain and back stress that the history fixes, see `palpate.materials.flow.radial`; no rows of back stress where
+        the law has none.
     permanent : ndarray, shape (p, 4, LANES)
         Creep and plastic strain, with the part of the next step that the present stress decides.
     transient : ndarray, shape (p, elements, 4, LANES)
@@ -60,12 +67,13 @@ class Points(NamedTuple):
     rho, log_q, secant, order, push : ndarray, shape (p, LANES)
         Solution of the radial equation; q/rho; d ln q / d ln rho; and dq/dp.
     alpha : ndarray, shape (p, LANES)
-        Accumulated plastic strain at the start of the step.
+        Hardening variable that the history fixes.
     pressure : ndarray, shape (p / 4, LANES)
         Of each element [GPa], positive in compression.
     """
 
     past: np.ndarray
+    back: np.ndarray
     permanent: np.ndarray
     transient: np.ndarray
     direction: np.ndarray
@@ -78,14 +86,15 @@ class Points(NamedTuple):
     pressure: np.ndarray
 
     @classmethod
-    def unloaded(cls, count: int, elements: int) -> Points:
-        """Return `count` points at rest, of laws with so many Voigt elements."""
+    def unloaded(cls, count: int, elements: int, backed: bool = False) -> Points:
+        """Return `count` points at rest, of laws with so many Voigt elements, `backed` by a back stress or not."""
+        back = np.zeros((count if backed else 0, 4, LANES))
         past, permanent, direction = (np.zeros((count, 4, LANES)) for _ in range(3))
         transient = np.zeros((count, elements, 4, LANES))
         rho, secant, order, push, alpha = (np.zeros((count, LANES)) for _ in range(5))
         pressure = np.zeros((count // 4, LANES))
         log_q = np.full((count, LANES), 2 * UNKNOWN)
-        return cls(past, permanent, transient, direction, rho, log_q, secant, order, push, alpha, pressure)
+        return cls(past, back, permanent, transient, direction, rho, log_q, secant, order, push, alpha, pressure)
 
 
 @inner_kernel(cache=True)
@@ -119,11 +128,15 @@ def region_of(element, laws):
 
 
 @inner_kernel(cache=True)
-def driving(law, at, step, q, log_q, pressure):
-    """Return phi q of a term whose block begins at `at`, at the stress over the resistance."""
+def driving(law, at, step, q, log_q, pressure, alpha, gain):
+    """Return phi q of a term whose block begins at `at`, at the stress over the resistance.
+
+    The `gain` is what a fluidity of one adds to alpha over that stress.
+    """
     inverse = load(step, INVERSE_RESISTANCE)
-    log_q = log_q - load(step, LOG_RESISTANCE)
-    value, _, _, _ = fluidity_of(whole(law, at + FUNCTION), law, at + NUMBERS, q * inverse, log_q, pressure * inverse)
+    scaled, log_q, pressure = q * inverse, log_q - load(step, LOG_RESISTANCE), pressure * inverse
+    number = whole(law, at + FUNCTION)
+    value, _, _, _ = fluidity_of(number, law, at + NUMBERS, scaled, log_q, pressure, alpha, gain * scaled)
     return value * q
 
 
@@ -134,7 +147,7 @@ def plastic_strain(rho, q, log_q, alpha, pressure, law, step):
         least, _, _ = threshold(alpha, pressure, law, step)
         least = AT_YIELD * least
         if greatest(q - least) > 0.0:
-            total, _, _, _ = compliance(q, log_q, pressure, law, step)
+            total, _, _, _ = compliance(q, log_q, alpha, pressure, law, step)
             slip = where_less(least, q, rho - total * q, splat(0.0))
             return where_less(slip, splat(0.0), splat(0.0), slip)
     return splat(0.0)
@@ -146,7 +159,7 @@ def commit_and_begin(points, laws, done, following):
 
     Both halves of a rate are parallel to the stress that the two steps share, and so is plastic flow.
     """
-    elements = points.transient.shape[1]
+    elements, driven = points.transient.shape[1], np.empty((4, LANES))
     for p in range(points.rho.shape[0]):
         region = region_of(p // 4, laws)
         law, before, after = laws[region], done[region], following[region]
@@ -154,36 +167,61 @@ def commit_and_begin(points, laws, done, following):
         q, pressure = rho * load(points.secant, p), load(points.pressure, p // 4)
         growing = greatest(magnitude(load(after, LOG_RESISTANCE) - load(before, LOG_RESISTANCE))) > 0.0
         flown = plastic_strain(rho, q, log_q, alpha, pressure, law, before)
-        share = where_less(load(law, SHARE), splat(1e-12), splat(1.0), FLOWING * load(law, SHARE))
-        store(points.alpha, p, alpha + flown / share)
+        share = where_less(load(law, SHARE), splat(NO_SHARE), splat(1.0), FLOWING * load(law, SHARE))
+        end = alpha + flown / share
+        backed, split, stiffening = law[BACK_STRESS, 0] > 0.0, load(after, SPLIT), load(after, STIFFENING)
+        secant, _, _ = borne(load(points.secant, p), splat(1.0), splat(0.0), before)
         for i in range(4):
             store(points.past, 4 * p + i, splat(0.0))
+            store(driven, i, splat(0.0))
         at, k, element = FIRST, FACTORS, 0
         while at < law.shape[0]:
             kind = whole(law, at + KIND)
-            if kind != PLASTIC:
-                closing = q
+            if kind != PLASTIC and kind != BACK:
+                closing = rho * secant
                 if kind != LINEAR:
-                    closing = driving(law, at, before, q, log_q, pressure)
+                    closing = driving(law, at, before, q, log_q, pressure, alpha, load(before, k + GAIN))
                 opening = closing
                 if growing and kind != LINEAR:
-                    opening, limit = driving(law, at, after, q, log_q, pressure), STEEPEST * closing
+                    strained = alpha + load(before, k + CLOSING) * closing / share
+                    opening = driving(law, at, after, q, log_q, pressure, strained, splat(0.0))
+                    limit = STEEPEST * closing
                     opening = where_less(limit, opening, limit, opening)
                 closing, opening = load(before, k + CLOSING) * closing, load(after, k + OPENING) * opening
-                if kind == CREEP:
+                if kind == HARDENING:
+                    end = alpha + (closing + opening) / share
+                if kind in (CREEP, HARDENING):
                     flown = flown + closing + opening
                 else:
                     decay, row = load(after, k + DECAY), 4 * (elements * p + element)
                     amplitude = decay * closing + opening
+                    beside = decay * load(before, k + CLOSING) + load(after, k + OPENING)
                     for i in range(4):
                         strain = decay * load(points.transient, row + i)
                         strain = strain + amplitude * load(points.direction, 4 * p + i)
+                        if backed and kind == LINEAR:
+                            strain = strain + beside * load(points.back, 4 * p + i)
                         store(points.transient, row + i, strain)
+                        if kind == LINEAR:
+                            strain = split * strain
+                        elif backed:
+                            store(driven, i, load(driven, i) + strain)
                         store(points.past, 4 * p + i, load(points.past, 4 * p + i) + strain)
                     element += 1
                 k += PER_TERM
             at += whole(law, at + SIZE)
+        store(points.alpha, p, end)
         for i in range(4):
             strain = load(points.permanent, 4 * p + i) + flown * load(points.direction, 4 * p + i)
             store(points.permanent, 4 * p + i, strain)
+            if backed:
+                store(points.back, 4 * p + i, stiffening * (load(driven, i) + strain))
             store(points.past, 4 * p + i, load(points.past, 4 * p + i) + strain)
+
+
+def deviator(points: Points, weights: np.ndarray, lane: int) -> np.ndarray:
+    """Return the stress deviator (p, 4) [GPa] of a lane at the solution of the `points` under `weights`."""
+    own = np.repeat(weights[:, :, lane], 4 * len(points.pressure) // len(weights), axis=0)
+    secant = own[:, SPLIT] * points.secant[:, lane] + own[:, STIFFENING]
+    stress = (points.rho[:, lane] * secant)[:, None] * points.direction[:, :, lane]
+    return stress + points.back[:, :, lane] if len(points.back) else stress

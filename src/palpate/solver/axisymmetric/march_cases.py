@@ -266,7 +266,7 @@ def begun(
         np.array([c.halvings for c in hosts]),
     )  # fmt: skip
     states = States(
-        Points.unloaded(4 * len(mesh.elements), bodies.elements),
+        Points.unloaded(4 * len(mesh.elements), bodies.elements, bodies.backed),
         touching,
         *bodies.at(np.zeros(LANES), first),
         np.zeros((mesh.size + 1, LANES)),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.materials.flow.row import step_weights, voigt_elements
+from palpate.materials.flow.row import BACK_STRESS, step_weights, voigt_elements
 from palpate.solver.axisymmetric.mesh import Mesh
 from palpate.solver.axisymmetric.regions import laws_of
 from palpate.study.specimen import Specimen
@@ -38,6 +38,11 @@ class Specimens:
     def elements(self) -> int:
         """Number of Voigt elements."""
         return voigt_elements(self.specimens[0].coefficients)
+
+    @property
+    def backed(self) -> bool:
+        """Whether their laws have a back stress."""
+        return bool(self.specimens[0].coefficients[BACK_STRESS] > 0.0)
 
     def at(self, depth: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return `laws` and what `steps` (LANES,) [s] make of them at a `depth` (LANES,) [nm]: (1 or m, w, LANES)."""

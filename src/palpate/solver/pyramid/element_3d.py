@@ -15,7 +15,7 @@ from numba import njit
 from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.point import commit, history
 from palpate.solver.pyramid import hencky_3d, linear_3d
-from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS, Points3D
+from palpate.solver.pyramid.linear_3d import DISPLACEMENTS, Points3D
 from palpate.solver.pyramid.mesh_3d import Mesh3D
 
 DEPTH = DISPLACEMENTS  # the place of the depth, the twenty-fifth unknown of an element that touches the indenter
@@ -123,7 +123,7 @@ def assemble(displacement, mesh, laws, points, contact, system, large, geometric
     """
     elements, equations, turn, gradients, volumes = mesh
     region, coefficients, weights = laws
-    past, alpha, guesses, local = points
+    past, back, alpha, guesses, local = points
     band, residual, border, force, pressing, pressure = system
     rule = contact.rule
     band[:] = 0.0
@@ -145,7 +145,7 @@ def assemble(displacement, mesh, laws, points, contact, system, large, geometric
             u[a, 1] = sin * displacement[node, 0] + cos * displacement[node, 1]
             u[a, 2] = displacement[node, 2]
             equation[3 * a : 3 * a + 3] = equations[node]
-        here = Points3D(past[e], alpha[e], guesses[e], local[e])
+        here = Points3D(past[e], back[e], alpha[e], guesses[e], local[e])
         law = weights[region[e]], coefficients[region[e]]
         if large:
             pressure[e] = hencky_3d.element(gradients[e], volumes[e], u, here, law, ke, fe, geometric)
@@ -263,8 +263,8 @@ def begin_step(state, laws, points):
     region, coefficients, weights = laws
     for e in range(state.shape[0]):
         for g in range(8):
-            history(state[e, g], weights[region[e]], coefficients[region[e]], points.past[e, g])
-            points.alpha[e, g] = state[e, g, 2 * COMPONENTS]
+            law, past, back = coefficients[region[e]], points.past[e, g], points.back[e, g]
+            points.alpha[e, g] = history(state[e, g], weights[region[e]], law, past, back)
 
 
 @njit(cache=True)
@@ -273,5 +273,6 @@ def end_step(state, laws, points, pressure):
     region, coefficients, weights = laws
     for e in range(state.shape[0]):
         for g in range(8):
-            law = coefficients[region[e]]
-            commit(state[e, g], points.local[e, g], points.guesses[e, g], pressure[e], weights[region[e]], law)
+            law, back, alpha = coefficients[region[e]], points.back[e, g], points.alpha[e, g]
+            q, r = points.guesses[e, g], points.local[e, g]
+            commit(state[e, g], r, back, alpha, q, pressure[e], weights[region[e]], law)

@@ -24,7 +24,8 @@ import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.point import length, solve
-from palpate.materials.flow.row import BULK
+from palpate.materials.flow.radial import borne
+from palpate.materials.flow.row import BULK, SPLIT
 from palpate.solver.pyramid.linear_3d import COMPONENTS, DISPLACEMENTS
 
 PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])  # of each entry of a tensor among its components
@@ -200,7 +201,7 @@ def element(gradients, volumes, u, points, law, ke, fe, geometric):
     float
         Pressure of the element [GPa], positive in compression; NaN when the deformation turns it inside out.
     """
-    past, alpha, guesses, local = points
+    past, back, alpha, guesses, local = points
     weights, row = law
     strain, squared = np.empty((8, 3)), np.empty((8, 3))
     axes, images = np.empty((8, 3, 3)), np.empty((8, 3, 3))
@@ -208,6 +209,7 @@ def element(gradients, volumes, u, points, law, ke, fe, geometric):
     b, along = np.empty((8, COMPONENTS, DISPLACEMENTS)), np.empty((8, 8, 3))
     squeeze = np.zeros(DISPLACEMENTS)
     trace, r, stress = np.zeros(DISPLACEMENTS), np.empty(COMPONENTS), np.empty(COMPONENTS)
+    deviator, split = np.empty(COMPONENTS), weights[SPLIT]
     moduli, image = np.empty((COMPONENTS, COMPONENTS)), np.empty(COMPONENTS)
     volume, dilatation = volumes.sum(), 0.0
     for g in range(8):
@@ -228,11 +230,13 @@ def element(gradients, volumes, u, points, law, ke, fe, geometric):
         mean = strain[g].sum() / 3.0
         for a in range(3):
             for c in range(a + 1):
-                fixed = 0.0
+                fixed, backed = 0.0, 0.0
                 for i in range(3):
                     for j in range(3):
                         fixed += axes[g, i, a] * past[g, PLACE[i, j]] * axes[g, j, c]
-                r[PLACE[a, c]] = (strain[g, a] - mean if a == c else 0.0) - fixed
+                        backed += axes[g, i, a] * back[g, PLACE[i, j]] * axes[g, j, c]
+                r[PLACE[a, c]] = (split * (strain[g, a] - mean) if a == c else 0.0) - fixed
+                deviator[PLACE[a, c]] = backed
         for i in range(3):
             for j in range(i + 1):
                 local[g, PLACE[i, j]] = 0.0
@@ -242,10 +246,12 @@ def element(gradients, volumes, u, points, law, ke, fe, geometric):
         rho = length(r, COMPONENTS)
         q, slope, push = solve(rho, guesses[g], alpha[g], -pressure, weights, row)
         guesses[g] = q
-        ratio = q / rho if rho > 0.0 else slope
-        write_moduli(r, ratio, 0.5 * (slope - ratio) / (rho * rho) if rho > 0.0 else 0.0, moduli)
+        ratio, order, push = borne(q / rho if rho > 0.0 else slope, slope * rho / q if q > 0.0 else 1.0, push, weights)
+        changed = split * ratio
+        write_moduli(r, changed, 0.5 * changed * (order - 1.0) / (rho * rho) if rho > 0.0 else 0.0, moduli)
         for i in range(COMPONENTS):
-            stress[i] = ratio * r[i] + (pressure if i < 3 else 0.0)
+            deviator[i] += ratio * r[i]
+            stress[i] = deviator[i] + (pressure if i < 3 else 0.0)
         if geometric:
             write_triples(squared[g], pairs[g], triples)
             add_curvature(stress, pairs[g], triples, moduli)
@@ -256,9 +262,9 @@ def element(gradients, volumes, u, points, law, ke, fe, geometric):
                 image[c] = 0.0
                 for d in range(COMPONENTS):
                     image[c] += present * moduli[c, d] * slopes[d, i]
-                part = r[c] * slopes[c, i] * (1.0 if c < 3 else 2.0)
-                fe[i] += present * ratio * part
-                squeeze[i] += pushed * part
+                part = slopes[c, i] * (1.0 if c < 3 else 2.0)
+                fe[i] += present * deviator[c] * part
+                squeeze[i] += pushed * r[c] * part
             m0, m1, m2, m3, m4, m5 = image
             for j in range(i + 1):
                 normal = m0 * slopes[0, j] + m1 * slopes[1, j] + m2 * slopes[2, j]

@@ -26,8 +26,9 @@ from typing import NamedTuple
 import numpy as np
 
 from palpate.base.inner_kernel import inner_kernel
-from palpate.materials.flow.point import length, solve
-from palpate.materials.flow.row import BULK
+from palpate.materials.flow.point import length, residual, solve
+from palpate.materials.flow.radial import borne
+from palpate.materials.flow.row import BULK, SPLIT
 
 COMPONENTS, DISPLACEMENTS = 6, 24
 
@@ -37,10 +38,10 @@ class Points3D(NamedTuple):
 
     Attributes
     ----------
-    past : ndarray, shape (8, 6)
-        Strain fixed by the history, at the start of the step.
+    past, back : ndarray, shape (8, 6)
+        Strain and back stress fixed by the history, see `palpate.materials.flow.point.history`.
     alpha : ndarray, shape (8,)
-        Equivalent plastic strain, likewise.
+        Hardening variable, likewise.
     guesses : ndarray, shape (8,)
         Invariant q [GPa]; in: the last one; out: the solution.
     local : ndarray, shape (8, 6)
@@ -48,6 +49,7 @@ class Points3D(NamedTuple):
     """
 
     past: np.ndarray
+    back: np.ndarray
     alpha: np.ndarray
     guesses: np.ndarray
     local: np.ndarray
@@ -62,7 +64,7 @@ def element(gradients, volumes, u, points, law, ke, fe):
     float
         Pressure of the element [GPa], positive in compression.
     """
-    past, alpha, guesses, local = points
+    past, back, alpha, guesses, local = points
     weights, row = law
     volume = volumes.sum()
     mean = np.zeros(DISPLACEMENTS)
@@ -81,7 +83,7 @@ def element(gradients, volumes, u, points, law, ke, fe):
     pressure = -row[BULK] * theta
     for g in range(8):
         flat = gradients[g].reshape(DISPLACEMENTS)
-        local[g] = -past[g]
+        local[g] = 0.0
         for a in range(8):
             gx, gy, gz = gradients[g, a]
             ux, uy, uz = u[a]
@@ -94,23 +96,28 @@ def element(gradients, volumes, u, points, law, ke, fe):
         third = (local[g, 0] + local[g, 1] + local[g, 2]) / 3.0
         for i in range(3):
             local[g, i] -= third
+        local[g] = residual(local[g], past[g], weights)
         xx, yy, zz, xy, yz, zx = local[g]
         rho = length(local[g], COMPONENTS)
         q, slope, push = solve(rho, guesses[g], alpha[g], pressure, weights, row)
         guesses[g] = q
-        ratio = q / rho if rho > 0.0 else slope
+        ratio, order, push = borne(q / rho if rho > 0.0 else slope, slope * rho / q if q > 0.0 else 1.0, push, weights)
+        bxx, byy, bzz, bxy, byz, bzx = back[g]
         for a in range(8):
             gx, gy, gz = gradients[g, a]
+            force[3 * a] += volumes[g] * (bxx * gx + bxy * gy + bzx * gz)
+            force[3 * a + 1] += volumes[g] * (bxy * gx + byy * gy + byz * gz)
+            force[3 * a + 2] += volumes[g] * (bzx * gx + byz * gy + bzz * gz)
             v[3 * a] = xx * gx + xy * gy + zx * gz
             v[3 * a + 1] = xy * gx + yy * gy + yz * gz
             v[3 * a + 2] = zx * gx + yz * gy + zz * gz
-        radial = volumes[g] * ratio
-        extra = volumes[g] * (slope - ratio) / (2.0 * rho * rho) if rho > 0.0 else 0.0
+        radial, changed = volumes[g] * ratio, volumes[g] * weights[SPLIT] * ratio
+        extra = changed * (order - 1.0) / (2.0 * rho * rho) if rho > 0.0 else 0.0
         pushed = 0.5 * volumes[g] * push * row[BULK] / rho if rho > 0.0 else 0.0
         for i in range(DISPLACEMENTS):
             force[i] += radial * v[i]
             squeeze[i] += pushed * v[i]
-            s, t = radial * flat[i], extra * v[i]
+            s, t = changed * flat[i], extra * v[i]
             for j in range(DISPLACEMENTS):
                 sums[i, j] += s * flat[j]
                 rank_one[i, j] += t * v[j]

@@ -61,7 +61,8 @@ def advance(
     coefficients = problem.coefficients
     weights = step_weights(coefficients, time - state.time, problem.specimen.resistance(1e3 * midway))
     displacement, depth, guesses = guess.displacement.copy(), guess.depth, state.guesses.copy()
-    laws, points = Laws3D(problem.region, coefficients, weights), Points3D(work.past, work.alpha, guesses, work.local)
+    laws = Laws3D(problem.region, coefficients, weights)
+    points = Points3D(work.past, work.back, work.alpha, guesses, work.local)
     begin_step(state.material, laws, points)
     contact = Contact3D.resume(problem, state, guess)
     force, forces = np.empty((len(mesh.nodes), 3)), np.empty(mesh.size + 1)

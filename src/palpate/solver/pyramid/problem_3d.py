@@ -125,6 +125,7 @@ class Workspace:
     residual: np.ndarray
     border: np.ndarray
     past: np.ndarray
+    back: np.ndarray
     alpha: np.ndarray
     pressure: np.ndarray
     local: np.ndarray
@@ -142,6 +143,7 @@ class Workspace:
             np.empty((mesh.size, mesh.bandwidth + 1)),
             np.empty(mesh.size),
             np.empty(mesh.size),
+            np.empty((m, 8, COMPONENTS)),
             np.empty((m, 8, COMPONENTS)),
             np.empty((m, 8)),
             np.empty(m),
