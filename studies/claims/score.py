@@ -1,6 +1,7 @@
 """How often what was stated is true, with Wilson's intervals, and how well probabilities are calibrated.
 
-An effect acts in a set if it changes the mean depth of some part of a test by more than the smallest effect, see
+A claim is an answer with a mechanism of an instrument or of a length; one with a mechanism that only changes the law may
+stand in for a law that is not right, and is counted by itself. An effect acts in a set if it changes the mean depth of some part of a test by more than the smallest effect, see
 `palpate.diagnosis.effect_size`; one that was planted and is smaller counts neither way. A wrong name is a mechanism of
 an instrument or of a length, with a probability by which it is named, that was not planted, nor is a special or the
 general case of one that was.
@@ -62,9 +63,9 @@ def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any
         "largest": max(sizes.values(), default=0.0),
         "verdict": stated["verdict"],
         "answer": " | ".join("+".join(sorted(each)) for each in candidates),
-        "claims": stated["verdict"] in ("identified", "suspected", "ambiguous"),
+        "claims": any(each - LAWS for each in candidates),
         "wrong_name": bool((named - LAWS) - alike),
-        "stands_in": bool((named & LAWS) - alike),
+        "stands_in": any((each & LAWS) - alike for each in candidates),
         "exact": named == acting and bool(acting),
         "among_two": bool(acting) and any(acting <= each | (alike & each) for each in candidates[:2]),
         "of_material": len(held),
@@ -117,7 +118,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
         rates = [
             ("claims where nothing is planted", null["claims"].sum(), len(null)),
             ("wrong names", part["wrong_name"].sum(), len(part)),
-            ("a law's mechanism named in its place", part["stands_in"].sum(), len(part)),
+            ("a mechanism of the law stated in its place", part["stands_in"].sum(), len(part)),
             ("what acts named alone", acting["exact"].sum(), len(acting)),
             ("what acts named or among the first two", strong["among_two"].sum(), len(strong)),
             ("intervals of material parameters hold the truth", part["held"].sum(), part["of_material"].sum()),
