@@ -1,10 +1,10 @@
 """How often what was stated is true, with Wilson's intervals, and how well probabilities are calibrated.
 
-A claim is an answer with a mechanism of an instrument or of a length; one with a mechanism that only changes the law may
-stand in for a law that is not right, and is counted by itself. An effect acts in a set if it changes the mean depth of some part of a test by more than the smallest effect, see
-`palpate.diagnosis.effect_size`; one that was planted and is smaller counts neither way. A wrong name is a mechanism of
-an instrument or of a length, with a probability by which it is named, that was not planted, nor is a special or the
-general case of one that was.
+A claim is an answer with a mechanism of an instrument or of a length; one with a mechanism that changes the law may
+stand in for a law that is not right, and is counted by itself. An effect acts in a set if it changes the mean depth of
+some part of a test by more than the smallest effect, see `palpate.diagnosis.effect_size`; one that was planted and is
+smaller counts neither way. A wrong name is a mechanism of an instrument or of a length that is named, was not planted,
+and is no special or general case of one that was.
 """
 
 from __future__ import annotations
