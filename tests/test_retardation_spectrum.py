@@ -15,7 +15,7 @@ FLOW = {"spectrum_coefficient": 0.05, "spectrum_exponent": 0.2, "shortest_time":
 def test_a_turning_strain_gives_the_stress_of_the_rate_equations(joined):
     values, model = HOOKE | FLOW | {"elements": 7}, "retardation_spectrum"
     elements = [(t, lambda q, t=t: 0.05 * t**0.2) for t in np.geomspace(0.1, 100.0, 7)]
-    creep = BURGERS_TERMS["terms"] if joined else {"creep": lambda q, p: 0.0, "elements": ()}
+    creep = BURGERS_TERMS["terms"] if joined else {"creep": lambda q, p, alpha: 0.0, "elements": ()}
     if joined:
         values, model = values | BURGERS_TERMS["values"], "nonlinear_burgers+retardation_spectrum"
     expected = integrated(HOOKE, 0.05, creep=creep["creep"], elements=[*elements, *creep["elements"]])
