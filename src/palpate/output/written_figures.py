@@ -23,7 +23,7 @@ def write_figures(
     style: Path | None = None,
     titles: bool = True,
 ) -> list[Path]:
-    """Write every figure of the results, and return the files of the figures themselves.
+    """Write every figure of the results, and return the files of the figures themselves; none leaves the folder empty.
 
     Parameters
     ----------
@@ -39,6 +39,7 @@ def write_figures(
     InputError
         When Matplotlib cannot read the style.
     """
+    folder.mkdir(parents=True, exist_ok=True)
     written = []
     for stem, figure, saved in figures_of(sets):
         written += write_figure(figure, saved, folder / stem, saved.synthetic, formats, width, style, titles)
