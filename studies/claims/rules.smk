@@ -71,7 +71,7 @@ rule claims_summary:
         "scripts/summary.py"
 
 
-rule claims_so_far:
+use rule claims_summary as claims_so_far with:
     input:
         study=CLAIMS_STUDY,
         truths=expand(f"{CLAIMS}/sealed/{{group}}.json", group=CLAIMS_DONE),
@@ -84,9 +84,3 @@ rule claims_so_far:
         classes=f"{CLAIMS}/so_far/classes.csv",
     log:
         f"{CLAIMS}/logs/so_far.log",
-    conda:
-        "../../envs/palpate.yaml"
-    params:
-        code=code("studies/claims/scripts/summary.py"),
-    script:
-        "scripts/summary.py"

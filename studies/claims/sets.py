@@ -9,22 +9,19 @@ the library, a quarter one, and the others two.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
 
 from palpate.configuration.study_file import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.explanations import may_act_together
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.draws import log_uniform
-from palpate.workflow_support.result_files import checksum, write_json
 from studies.claims.body import KEYS, recorded
 from studies.claims.departures import DEPARTURES
 from studies.coverage.creep import burgers, depth
-from studies.coverage.sets import HOLDS, LOADING_TIMES, LOADS, UNLOADINGS, condition
+from studies.coverage.sets import condition, drawn_noise, drawn_test, replicate
 from studies.coverage.solid import MATERIAL, RANGES, BurgersSolid
 
 KINDS = ("none", *DEPARTURES)
@@ -91,15 +88,7 @@ def draw(numbers: Iterable[int], seed: int) -> list[Case]:
         kind = KINDS[number % len(KINDS)]
         departure = str(rng.choice(list(DEPARTURES[kind]))) if kind in DEPARTURES else ""
         parameters = {name: log_uniform(rng, *ends) for name, ends in RANGES.items()}
-        tests = [
-            [log_uniform(rng, *LOADS), *(float(rng.choice(values)) for values in (LOADING_TIMES, HOLDS, UNLOADINGS))]
-            for _ in range(int(rng.choice(TESTS)))
-        ]
-        noise = {
-            "sigma": float(rng.uniform(0.6, 1.0)),
-            "autocorrelation": float(rng.uniform(0.3, 0.9)),
-            "site": float(rng.uniform(0.005, 0.015)),
-        }
+        tests, noise = [drawn_test(rng) for _ in range(int(rng.choice(TESTS)))], drawn_noise(rng)
         own, misfit = int(rng.integers(2**31)), log_uniform(rng, *MISFIT) if departure else 0.0
         left = _left(departure, tuple(condition(k, *test) for k, test in enumerate(tests)), parameters, own)
         mechanisms = _mechanisms(EFFECTS[number // len(KINDS) % len(EFFECTS)], rng)
@@ -111,26 +100,15 @@ def draw(numbers: Iterable[int], seed: int) -> list[Case]:
 
 def recordings(case: Case) -> dict[str, Observation]:
     """Return the recordings of a set."""
-    rng, found = np.random.default_rng(case.seed), dict[str, Observation]()
-    sigma, memory, solid = case.noise["sigma"], case.noise["autocorrelation"], burgers(**case.parameters)
+    rng, solid, found = np.random.default_rng(case.seed), burgers(**case.parameters), dict[str, Observation]()
     for test, change in zip(case.conditions, case.departed(), strict=True):
         rows = []
         for _ in range(case.replicates):
             factors = {key: 1.0 + OWN * rng.standard_normal() * MECHANISMS[key].varies for key in case.mechanisms}
             own = {key: _shared(key, values, factors[key]) for key, values in case.mechanisms.items()}
-            innovations = sigma * np.sqrt(1.0 - memory**2) * rng.standard_normal(len(change))
-            innovations[0] /= np.sqrt(1.0 - memory**2)
-            exact = recorded(solid, test.protocol, own) + change
-            site = case.noise["site"] * rng.standard_normal()
-            rows.append(exact * (1.0 + site) + lfilter([1.0], [1.0, -memory], innovations))
+            rows.append(replicate(recorded(solid, test.protocol, own) + change, case.noise, rng))
         found[test.name] = Observation(test.protocol.sample_time, np.array(rows))
     return found
-
-
-def seal(cases: list[Case], path: Path) -> str:
-    """Write the truth of sets to one file and return its SHA-256."""
-    write_json(path, [asdict(case) for case in cases])
-    return checksum(path)
 
 
 def _shared(key: str, values: Mapping[str, float], factor: float) -> dict[str, float]:

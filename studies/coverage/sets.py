@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -96,11 +97,7 @@ def draw(numbers: Iterable[int], seed: int, wrong: Sequence[str] = WRONG) -> lis
         family = RIGHT if turn % 3 == 0 else wrong[(turn + number // 54) % len(wrong)]
         while not (drawn := _drawn(family, tests, rng)):
             pass
-        noise = {
-            "sigma": float(rng.uniform(0.6, 1.0)),
-            "autocorrelation": float(rng.uniform(0.3, 0.9)),
-            "site": float(rng.uniform(0.005, 0.015)),
-        }
+        noise = drawn_noise(rng)
         cases.append(Case(f"set_{number:04d}", family, *drawn, replicates, noise, int(rng.integers(2**31))))
     return cases
 
@@ -108,16 +105,34 @@ def draw(numbers: Iterable[int], seed: int, wrong: Sequence[str] = WRONG) -> lis
 def recordings(case: Case) -> dict[str, Observation]:
     """Return the recordings of a set."""
     rng, found = np.random.default_rng(case.seed), {}
-    sigma, memory = case.noise["sigma"], case.noise["autocorrelation"]
     for condition in case.conditions:
-        exact, rows = depth(case.truth, condition.protocol), []
-        for _ in range(case.replicates):
-            innovations = sigma * np.sqrt(1.0 - memory**2) * rng.standard_normal(len(exact))
-            innovations[0] /= np.sqrt(1.0 - memory**2)
-            site = case.noise["site"] * rng.standard_normal()
-            rows.append(exact * (1.0 + site) + lfilter([1.0], [1.0, -memory], innovations))
+        exact = depth(case.truth, condition.protocol)
+        rows = [replicate(exact, case.noise, rng) for _ in range(case.replicates)]
         found[condition.name] = Observation(condition.protocol.sample_time, np.array(rows))
     return found
+
+
+def replicate(exact: np.ndarray, noise: Mapping[str, float], rng: np.random.Generator) -> np.ndarray:
+    """Return a recording (n,) of an exact depth (n,) [nm] with the noise of a set, at a site of its own."""
+    sigma, memory = noise["sigma"], noise["autocorrelation"]
+    innovations = sigma * np.sqrt(1.0 - memory**2) * rng.standard_normal(len(exact))
+    innovations[0] /= np.sqrt(1.0 - memory**2)
+    site = noise["site"] * rng.standard_normal()
+    return exact * (1.0 + site) + lfilter([1.0], [1.0, -memory], innovations)
+
+
+def drawn_noise(rng: np.random.Generator) -> dict[str, float]:
+    """Draw the noise of a set, see `Case`."""
+    return {
+        "sigma": float(rng.uniform(0.6, 1.0)),
+        "autocorrelation": float(rng.uniform(0.3, 0.9)),
+        "site": float(rng.uniform(0.005, 0.015)),
+    }
+
+
+def drawn_test(rng: np.random.Generator) -> list[float]:
+    """Draw load [mN], loading time [s], hold and unloading [loading times] of a test."""
+    return [log_uniform(rng, *LOADS), *(float(rng.choice(values)) for values in (LOADING_TIMES, HOLDS, UNLOADINGS))]
 
 
 def best_burgers(
@@ -154,10 +169,7 @@ def _drawn(
     family: str, count: int, rng: np.random.Generator
 ) -> tuple[dict[str, object], dict[str, float], float, list[list[float]]] | None:
     """Return compliance, parameters, misfit and tests; None where creep of this kind cannot leave the wanted misfit."""
-    tests = [
-        [log_uniform(rng, *LOADS), *(float(rng.choice(values)) for values in (LOADING_TIMES, HOLDS, UNLOADINGS))]
-        for _ in range(count)
-    ]
+    tests = [drawn_test(rng) for _ in range(count)]
     modulus, rate = log_uniform(rng, *RANGES["youngs_modulus"]), log_uniform(rng, *RANGES["steady_coefficient"])
     if family == RIGHT:
         drawn = [log_uniform(rng, *RANGES[name]) for name in ("transient_coefficient", "retardation_time")]
@@ -191,7 +203,7 @@ def _elements(family: str, rng: np.random.Generator) -> tuple[tuple[float, float
     return cole_cole(log_uniform(rng, 5.0, 100.0), rng.uniform(0.4, 0.8))
 
 
-def seal(cases: list[Case], path: Path) -> str:
-    """Write the truth of sets to one file and return its SHA-256."""
+def seal(cases: Sequence[Any], path: Path) -> str:
+    """Write the truth of sets, dataclasses, to one file and return its SHA-256."""
     write_json(path, [asdict(case) for case in cases])
     return checksum(path)

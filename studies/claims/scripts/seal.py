@@ -1,10 +1,11 @@
-"""Draw a group of sets and seal the truth, before any of them is fitted."""
+"""Draw a group of sets and seal the truth, before any of them is diagnosed."""
 
 from pathlib import Path
 
 from palpate.workflow_support import job
 from studies.claims import GROUP, SEED
-from studies.claims.sets import draw, seal
+from studies.claims.sets import draw
+from studies.coverage.sets import seal
 
 
 def main(snakemake):
