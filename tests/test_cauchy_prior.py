@@ -8,7 +8,7 @@ from scipy.special import logsumexp
 from scipy.stats import cauchy
 from test_diagnosis import fitted, problem, recordings
 
-from palpate.inference.discrepancy import Marginal
+from palpate.inference.marginal import Marginal, Modes
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.models.coordinates import Coordinate, Coordinates
 
@@ -64,8 +64,8 @@ def test_columns_seen_from_elsewhere_give_what_a_moved_residual_gives():
     columns, factor = rng.standard_normal((12, 4)), np.linalg.cholesky(np.eye(12) + 0.2)
     moved = columns.copy()
     moved[:, 0] -= columns[:, [1, 3]] @ [0.4, -1.3]
-    seen = Marginal.of(factor, None, columns).from_elsewhere(np.array([1, 3]), np.array([0.4, -1.3]))
-    assert seen.products == pytest.approx(Marginal.of(factor, None, moved).products)
+    seen = Marginal.of(Modes(factor, None), columns).from_elsewhere(np.array([1, 3]), np.array([0.4, -1.3]))
+    assert seen.products == pytest.approx(Marginal.of(Modes(factor, None), moved).products)
 
 
 @pytest.mark.parametrize(("key", "name"), [("frame_compliance", "compliance"), ("thermal_drift", "rate")])

@@ -7,8 +7,9 @@ from scipy.special import logsumexp
 
 from palpate.classical import ting
 from palpate.inference.calibrate import CalibrationSettings, base_fit
-from palpate.inference.discrepancy import OWN, SIZES, Discrepancy, Marginal, Size, log_prior
+from palpate.inference.discrepancy import OWN, SIZES, Discrepancy, Size, log_prior
 from palpate.inference.estimates import intervals, law_discrepancy
+from palpate.inference.marginal import Marginal, Modes
 from palpate.inference.problem import Problem
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
@@ -87,7 +88,7 @@ def test_marginal_products_agree_with_the_dense_covariance():
     count = len(law.scale)
     root = rng.standard_normal((count, count)) / np.sqrt(count) + np.eye(count)
     known, columns = root @ root.T, rng.standard_normal((count, 5))
-    found = Marginal.of(cholesky(known, lower=True), law, columns)
+    found = Marginal.of(Modes(cholesky(known, lower=True), law), columns)
     for node in (0, 40, 300, 500, len(SIZES) - 1):
         dense = known + law.sized(found.sizes[node]).covariance
         assert found.products[node] == pytest.approx(columns.T @ np.linalg.solve(dense, columns), rel=1e-6, abs=1e-6)
@@ -97,7 +98,7 @@ def test_marginal_products_agree_with_the_dense_covariance():
 def test_without_a_discrepancy_there_is_one_node_of_size_zero():
     rng = np.random.default_rng(4)
     known, columns = np.diag(rng.uniform(1.0, 2.0, 6)), rng.standard_normal((6, 3))
-    found = Marginal.of(cholesky(known, lower=True), None, columns)
+    found = Marginal.of(Modes(cholesky(known, lower=True), None), columns)
     assert found.products == pytest.approx((columns.T @ np.linalg.solve(known, columns))[None])
 
 

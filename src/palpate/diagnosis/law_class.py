@@ -10,15 +10,17 @@ of none, are compared with the same prior of the size.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_solve
 from scipy.special import logsumexp
 
-from palpate.inference.discrepancy import OWN, Marginal
+from palpate.inference.discrepancy import OWN
 from palpate.inference.estimates import law_discrepancy
 from palpate.inference.explanation import DENSITY_ONE, Fit
+from palpate.inference.marginal import Marginal
 from palpate.inference.problem import Problem
 from palpate.study.prescribed_segments import segments
 
@@ -57,13 +59,13 @@ def law_class(fit: Fit) -> dict[str, Any]:
     if fit.errors.law is None:
         return {"class": "undetermined", "class_probabilities": {}}
     columns = np.column_stack([fit.residual, fit.tangent])
-    marginal = Marginal.of(fit.factor_of_known, fit.errors.law, columns)
+    marginal = Marginal.of(fit.modes, columns)
     density = marginal.log_densities(DENSITY_ONE)
     found = {"scaling": _log_evidence(marginal, density, [size.own == OWN[0] for size in marginal.sizes])}
     for kind in CLASSES[1:]:
         of_kind = [size.kind == kind and size.own == OWN[-1] for size in marginal.sizes]
         found[kind] = _log_evidence(marginal, density, of_kind)
-    exact = Marginal.of(fit.factor_of_known, None, columns)
+    exact = Marginal.of(replace(fit.modes, discrepancy=None), columns)
     found["none"] = float(exact.log_densities(DENSITY_ONE)[0])
     total = logsumexp(list(found.values()))
     probabilities = {name: float(np.exp(value - total)) for name, value in found.items()}

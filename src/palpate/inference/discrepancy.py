@@ -27,14 +27,12 @@ same for all explanations compared.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import solve_triangular
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import logsumexp
 
 from palpate.inference.law_structure import clocks, common, parts_of_tests, reversals, with_length
 from palpate.study.protocol import Protocol
@@ -186,97 +184,6 @@ def mean_depth(depths: Mapping[str, np.ndarray]) -> float:
 def largest_depths(depths: Mapping[str, np.ndarray], shares: Mapping[str, float]) -> np.ndarray:
     """Return the largest depth so far (n,) of tests [nm], times the relative change of their responses, see `of`."""
     return np.concatenate([shares.get(n, 1.0) * np.maximum.accumulate(np.abs(h)) for n, h in depths.items()])
-
-
-@dataclass(frozen=True, eq=False)
-class Marginal:
-    r"""Products X' C^-1 X of some columns X under every size of the discrepancy, and what each size adds to a density.
-
-    With the factor L of the known errors, W = L^-1 columns, and the coefficients' deviations s at a given `own`,
-
-        C^-1 = C_0^-1 - C_0^-1 F (1/share^2 + F' C_0^-1 F)^-1 F' C_0^-1,        F = columns diag(s),
-
-    (M. A. Woodbury 1950) becomes diagonal in `share` by the eigenvectors of F' C_0^-1 F.
-
-    Attributes
-    ----------
-    sizes : ndarray of Size, shape (q,)
-        At each node; one node of size zero where there is no discrepancy.
-    log_prior : ndarray, shape (q,)
-        Logarithm of the prior weight of each node.
-    products : ndarray, shape (q, c, c)
-        X' C^-1 X.
-    half_log_det : ndarray, shape (q,)
-        Half the logarithm of the determinant of C.
-    """
-
-    sizes: np.ndarray
-    log_prior: np.ndarray
-    products: np.ndarray
-    half_log_det: np.ndarray
-
-    @classmethod
-    def of(cls, factor: np.ndarray, discrepancy: Discrepancy | None, columns: np.ndarray) -> Marginal:
-        """Return the products of columns (n, c) where the known errors have the lower Cholesky `factor` (n, n)."""
-        white = solve_triangular(factor, columns, lower=True)
-        known, half = white.T @ white, float(np.log(np.diag(factor)).sum())
-        if discrepancy is None:
-            return cls(np.array([Size()], dtype=object), np.zeros(1), known[None], np.array([half]))
-        products, halves = [], []
-        basis = solve_triangular(factor, discrepancy.columns, lower=True)
-        inner, outer = basis.T @ basis, basis.T @ white
-        for kind, own in itertools.product(KINDS, OWN):
-            deviations = discrepancy.deviations(own, kind)
-            acts = deviations > 0.0
-            scaled = deviations[acts, None] * inner[np.ix_(acts, acts)] * deviations[acts]
-            values, vectors = np.linalg.eigh(scaled)
-            along = vectors.T @ (deviations[acts, None] * outer[acts])
-            grown = SHARES[:, None] ** 2 * np.maximum(values, 0.0)
-            halves.append(half + 0.5 * np.log1p(grown).sum(axis=1))
-            weights = SHARES[:, None] ** 2 / (1.0 + grown)
-            products.append(known - (along.T * weights[:, None, :]) @ along)
-        return cls(SIZES, log_prior(discrepancy.law_error), np.concatenate(products), np.concatenate(halves))
-
-    def with_data(self, columns: np.ndarray) -> Marginal:
-        """Return the same with further data of unit variance, rows (d, c) of the same columns."""
-        return replace(self, products=self.products + columns.T @ columns)
-
-    def of_columns(self, places: Sequence[int]) -> Marginal:
-        """Return the same for some of the columns."""
-        return replace(self, products=self.products[:, places][:, :, places])
-
-    def from_elsewhere(self, places: np.ndarray, moves: np.ndarray) -> Marginal:
-        """Return the same with the first column where the coefficients of those at `places` have made `moves` (p,)."""
-        moved = np.eye(self.products.shape[1])
-        moved[places, 0] = -moves
-        return replace(self, products=moved.T @ self.products @ moved)
-
-    def log_densities(self, variance: float | np.ndarray, moves: bool = True, positive: bool = False) -> np.ndarray:
-        """Return the log density (q,) of the first column at each node, the coefficients of the others integrated over.
-
-        Constants of the number of points are left out.
-
-        Parameters
-        ----------
-        variance
-            Prior variance of the coefficients about zero, or of each (c - 1,).
-        moves
-            Whether the coefficients take their best values; else they stay at zero, and only their volume counts.
-        positive
-            Whether the last coefficient is positive, with half of a normal prior.
-        """
-        variance = np.broadcast_to(variance, self.products.shape[1] - 1)
-        precision = self.products[:, 1:, 1:] + np.diag(1.0 / variance)
-        pull, squares = self.products[:, 1:, 0], self.products[:, 0, 0]
-        best = np.linalg.solve(precision, pull[:, :, None])[:, :, 0]
-        if moves:
-            squares = squares - np.einsum("qi,qi->q", pull, best)
-        volume = np.linalg.slogdet(precision)[1] + np.log(variance).sum()
-        found = -0.5 * (squares + volume) - self.half_log_det
-        if positive:
-            deviation = np.sqrt(np.linalg.inv(precision)[:, -1, -1])
-            found = found + np.log(2.0) + log_ndtr(best[:, -1] / deviation)
-        return found
 
 
 @lru_cache(maxsize=8)

@@ -14,8 +14,8 @@ from palpate.base.orthonormal import orthonormal
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures, widenings
 from palpate.inference.covariance import Errors
-from palpate.inference.discrepancy import Marginal
 from palpate.inference.least_squares import central_slopes, remainder
+from palpate.inference.marginal import Marginal, Modes
 from palpate.inference.problem import Explanation, Problem
 from palpate.models.coordinates import Coordinates
 from palpate.models.forward import Forward, under_each
@@ -84,9 +84,9 @@ class Fit:
         return cholesky(self.errors.covariance, lower=True)
 
     @cached_property
-    def factor_of_known(self) -> np.ndarray:
-        """The same without the discrepancy of the law."""
-        return cholesky(self.errors.known, lower=True)
+    def modes(self) -> Modes:
+        """Of the discrepancy of the law beside the known errors."""
+        return Modes(cholesky(self.errors.known, lower=True), self.errors.law)
 
     def whiten(self, values: np.ndarray) -> np.ndarray:
         """Return L^-1 values."""
@@ -182,11 +182,6 @@ class Fit:
         return np.linalg.inv(information + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
     @cached_property
-    def information(self) -> np.ndarray:
-        """Fisher information (k, k) of curves and constraints about the coordinates, to first order."""
-        return self._information_of_curves + self._information_of_constraints
-
-    @cached_property
     def _information_of_curves(self) -> np.ndarray:
         white = self.whiten(self.tangent)
         return white.T @ white
@@ -201,7 +196,7 @@ class Fit:
         The columns are a residual, then slopes by the coordinates (k), whose prior and constraints count as data, then
         whatever else joins the curves.
         """
-        found = Marginal.of(self.factor_of_known, self.errors.law, columns)
+        found = Marginal.of(self.modes, columns)
         beyond = self.coordinates.beyond(self.z)
         beyond[self.coordinates.cauchy] = 0.0
         slopes = np.vstack([np.diag(1.0 * (beyond != 0.0)), self.constraint_tangent])

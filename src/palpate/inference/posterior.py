@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaln, logsumexp
 
-from palpate.inference.discrepancy import Marginal
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.marginal import Marginal
 
 DRAWS = 1500
 PROPOSALS = 6000  # a round
@@ -143,7 +143,7 @@ class _Density:
         curvature, ratio = Curvature.of(fit), max(fit.misfit_ratio, 1.0)
         left = -curvature.columns
         left[:, 0] += fit.problem.mean
-        flat = Marginal.of(fit.factor_of_known, fit.errors.law, left)
+        flat = Marginal.of(fit.modes, left)
         k = len(fit.z)
         first = fit.marginal(np.column_stack([left[:, 0], -left[:, 1 : k + 1]]))
         likely = first.log_prior + first.log_densities(PRIOR_VARIANCE)
