@@ -7,7 +7,7 @@ from scipy.special import logsumexp
 
 from palpate.classical import ting
 from palpate.inference.calibrate import CalibrationSettings, base_fit
-from palpate.inference.discrepancy import OWN, SIZES, Discrepancy, Size, log_prior
+from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, SIZES, Discrepancy, Size, log_prior
 from palpate.inference.estimates import intervals, law_discrepancy
 from palpate.inference.marginal import Marginal, Modes
 from palpate.inference.problem import Problem
@@ -26,7 +26,7 @@ def trials(*tests):
     return [trapezoid(load, rise, hold, rise, points=40) for load, rise, hold in tests]
 
 
-def discrepancy(protocols, sharp=True, law_error=0.0025, share=0.01, own=OWN[0], kind="test"):
+def discrepancy(protocols, sharp=True, law_error=0.0025, share=0.01, own=OBEYS, kind="test"):
     depths = {str(k): depth(SOLID, protocol) for k, protocol in enumerate(protocols)}
     return Discrepancy.of(protocols, sharp, depths, law_error, {}).sized(Size(share, own, kind))
 
@@ -52,8 +52,8 @@ def test_times_that_are_nearly_equal_are_equal_and_others_share_it_in_part():
 def test_the_standard_deviation_is_a_share_of_the_largest_depth_so_far():
     protocols = trials((1.0, 30.0, 10.0), (4.0, 10.0, 0.0))
     largest = np.concatenate([np.maximum.accumulate(depth(SOLID, protocol)) for protocol in protocols])
-    for own, kind in [(own, kind) for own in OWN for kind in ("test", "length")]:
-        found = np.diag(discrepancy(protocols, own=own, kind=kind).covariance)
+    for own in (OBEYS, *OWN):
+        found = np.diag(discrepancy(protocols, own=own).covariance)
         assert np.sqrt(found) == pytest.approx(0.01 * largest, rel=1e-3)
 
 
@@ -68,6 +68,30 @@ def test_a_breach_begins_where_the_load_turns_or_grows_with_the_clock():
     assert np.all(np.diff(walked - smooth) > 0.0)
 
 
+@pytest.mark.parametrize(
+    "unlisted",
+    [
+        pytest.param(lambda h, load: -h * h / (h + 700.0), id="modulus that grows with depth"),
+        pytest.param(lambda h, load: -h / np.sqrt(h + 40.0), id="area function of Oliver and Pharr"),
+        pytest.param(lambda h, load: h * 0.6 / (1.0 + (300.0 / h) ** 1.5), id="layer"),
+        pytest.param(lambda h, load: h * np.tanh(load / 2.0), id="load cell that softens"),
+    ],
+)
+def test_what_has_one_length_or_one_load_is_about_a_crossover(unlisted):
+    protocols = trials((0.3, 20.0, 10.0), (1.0, 60.0, 0.0), (3.0, 30.0, 30.0), (10.0, 30.0, 10.0))
+    curve = np.concatenate([depth(SOLID, protocol) for protocol in protocols])
+    load = np.concatenate([protocol.sample_load for protocol in protocols])
+    law = discrepancy(protocols)
+    change, elastic = unlisted(curve, load) / law.scale, curve / law.scale
+    left = []
+    for kind in LENGTHS:
+        acting = law.deviations(0.999, kind)[-law.breaches["length"].shape[1] :] > 0.0
+        columns = np.column_stack([elastic, law.breaches["length"][:, acting] / law.scale[:, None]])
+        left.append(np.std(change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]))
+    assert acting.sum() == 2
+    assert min(left) < 0.1 * np.std(change - elastic * (elastic @ change) / (elastic @ elastic))
+
+
 def test_the_covariance_is_symmetric_and_has_no_negative_eigenvalue():
     covariance = discrepancy(trials((1.0, 30.0, 10.0), (1.0, 30.02, 10.0), (4.0, 10.0, 0.0))).covariance
     assert covariance == pytest.approx(covariance.T)
@@ -76,11 +100,13 @@ def test_the_covariance_is_symmetric_and_has_no_negative_eigenvalue():
 
 
 @pytest.mark.parametrize("law_error", [0.00125, 0.0025, 0.02])
-def test_the_prior_has_mass_one_and_the_stated_median(law_error):
+def test_the_prior_has_mass_one_and_the_law_the_stated_median(law_error):
     weights = log_prior(law_error)
     assert logsumexp(weights) == pytest.approx(0.0, abs=1e-12)
-    below = np.exp(weights)[[size.share < law_error for size in SIZES]].sum()
+    of_law = np.exp(weights)[[size.own == OBEYS for size in SIZES]]
+    below = [size.share < law_error for size in SIZES if size.own == OBEYS] @ of_law / of_law.sum()
     assert below == pytest.approx(0.5, abs=0.1)
+    assert np.exp(weights)[[size.kind in LENGTHS for size in SIZES]].sum() == pytest.approx(0.2)
 
 
 def test_marginal_products_agree_with_the_dense_covariance():
@@ -106,7 +132,7 @@ def test_what_the_best_parameters_leave_is_less_than_the_discrepancy():
     law = discrepancy(trials((1.0, 30.0, 10.0), (4.0, 10.0, 0.0)))
     tangent = law.scale[:, None] * np.random.default_rng(5).standard_normal((len(law.scale), 4))
     left = law.left_by_best(tangent)
-    smooth = [k for k, size in enumerate(SIZES) if size.kind in ("test", "length")]
+    smooth = [k for k, size in enumerate(SIZES) if size.kind == "test"]
     shares = np.array([SIZES[k].share for k in smooth])
     assert np.all(left[smooth] < shares)
     assert law.left_by_best(1e-9 * tangent) == pytest.approx(left)

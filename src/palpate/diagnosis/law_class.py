@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 from scipy.special import logsumexp
 
-from palpate.inference.discrepancy import OWN
+from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN
 from palpate.inference.estimates import law_discrepancy
 from palpate.inference.explanation import DENSITY_ONE, Fit
 from palpate.inference.marginal import Marginal
@@ -61,9 +61,10 @@ def law_class(fit: Fit) -> dict[str, Any]:
     columns = np.column_stack([fit.residual, fit.tangent])
     marginal = Marginal.of(fit.modes, columns)
     density = marginal.log_densities(DENSITY_ONE)
-    found = {"scaling": _log_evidence(marginal, density, [size.own == OWN[0] for size in marginal.sizes])}
+    found = {"scaling": _log_evidence(marginal, density, [size.own == OBEYS for size in marginal.sizes])}
     for kind in CLASSES[1:]:
-        of_kind = [size.kind == kind and size.own == OWN[-1] for size in marginal.sizes]
+        kinds = LENGTHS if kind == "length" else (kind,)
+        of_kind = [size.kind in kinds and size.own >= OWN[-1] for size in marginal.sizes]
         found[kind] = _log_evidence(marginal, density, of_kind)
     exact = Marginal.of(replace(fit.modes, discrepancy=None), columns)
     found["none"] = float(exact.log_densities(DENSITY_ONE)[0])

@@ -17,12 +17,17 @@ Two tests of one normalised history and equal times share x wholly, at every loa
 share it at equal times even if their rates differ; a corner of the history changes p, and so ends the memory. What has
 a length of its own, a sphere or a film, loses that memory with the logarithm of the ratio of loads. Tips, contacts,
 instruments and meshes breach the scaling a little, so `own` of the variance belongs to what does not obey it, of one
-kind or of several: of each test alone, with a length, with the clock, or since the load turned, see
+kind or of several: of each test alone, with the clock, since the load turned, or with a length, see
 `palpate.inference.law_structure`. With a correlation of exactly one each breach by a thousandth would be named.
 Replicates share x wholly.
 
-None of the three is known. A quadrature over `SHARES`, `OWN` and `KINDS` integrates over all, with a prior that is the
-same for all explanations compared.
+Of these a length matters most. What any body, tip or instrument with one length does, a film, a rounded tip and a
+compliant frame do nearly, too. So an unlisted length is as simple a function as those in the library: it crosses over
+between two neighbouring lengths, and its size is not tied to that of the law. A flexible process would lose against
+any function of two parameters, and a gradient of the modulus would be called a film.
+
+None of the three is known. A quadrature over `SHARES` and `SHAPES` integrates over all, with a prior that is the same
+for all explanations compared. It is the part that obeys the scaling law whose median is `LAW_ERROR`.
 """
 
 from __future__ import annotations
@@ -34,15 +39,27 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.special import logsumexp
 
-from palpate.inference.law_structure import clocks, common, parts_of_tests, reversals, with_length
+from palpate.inference.law_structure import CROSSINGS, clocks, common, crossovers, parts_of_tests, reversals
 from palpate.study.protocol import Protocol
 
 LAW_ERROR = 0.0025  # share of the depth, median of the prior; see docs/inference.md for the wrong laws that it rests on
 PRIOR_SCALE = 0.68  # of the logistic density of ln(share): 95 % lie within a factor of twelve of the median
 SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
-OWN = np.array([0.01, 0.1, 0.9])  # nodes of the quadrature over `own`, equally probable beforehand
-BREACHES = ("test", "length", "clock", "reversal")
-KINDS = (*BREACHES, "several")  # equally probable, too; the last one is of all others in equal parts
+OBEYS = 0.01  # `own` of what obeys the scaling law: one node, of several kinds in equal parts
+OWN = (0.1, 0.9)  # further nodes of the quadrature over `own`; all three are equally probable beforehand
+OWN_OF_LENGTH = (0.9, 0.99, 0.999)  # the same where a single length acts, whose size that of the law does not limit
+BREACHES = ("test", "clock", "reversal", "length")
+LENGTHS = tuple(f"{of} {k}" for of in ("depth", "load") for k in range(len(CROSSINGS) - 1))
+KINDS = (*BREACHES[:-1], "several")
+
+
+def _shapes() -> dict[tuple[str, float], float]:
+    """Return `kind` and `own` of the nodes with their prior: each kind is as probable, all lengths together one."""
+    kind = 1.0 / (len(KINDS) + 1)
+    of_one, of_length = kind / (len(OWN) + 1), kind / (len(LENGTHS) * len(OWN_OF_LENGTH))
+    found = {("several", OBEYS): of_one * len(KINDS)}
+    found |= {(each, own): of_one for each in KINDS for own in OWN}
+    return found | {(each, own): of_length for each in LENGTHS for own in OWN_OF_LENGTH}
 
 
 @dataclass(frozen=True)
@@ -56,17 +73,16 @@ class Size:
     own
         Share of the variance that breaches the scaling law [-].
     kind
-        Of that breach, of `KINDS`.
+        Of that breach, of `KINDS` or `LENGTHS`.
     """
 
     share: float = 0.0
     own: float = 0.0
-    kind: str = KINDS[0]
+    kind: str = "several"
 
 
-SIZES = np.array(
-    [Size(float(share), float(own), kind) for kind in KINDS for own in OWN for share in SHARES], dtype=object
-)  # the nodes
+SHAPES = _shapes()
+SIZES = np.array([Size(float(share), own, kind) for kind, own in SHAPES for share in SHARES], dtype=object)  # the nodes
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +137,9 @@ class Discrepancy:
         tests, scale = tuple(protocols), largest_depths(depths, shares)
         breaches = {
             "test": scale[:, None] * parts_of_tests(tests, sharp),
-            "length": scale[:, None] * with_length(tests),
             "clock": mean_depth(depths) * clocks(tests),
             "reversal": scale[:, None] * reversals(tests),
+            "length": scale[:, None] * _with_length(tests, depths, shares),
         }
         return cls(scale[:, None] * common(tests, sharp), breaches, scale, law_error)
 
@@ -165,7 +181,7 @@ class Discrepancy:
         """
         basis, columns = np.linalg.qr(tangent / self.scale[:, None])[0], self.columns / self.scale[:, None]
         squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
-        found = [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for kind in KINDS for own in OWN]
+        found = [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for kind, own in SHAPES]
         return np.concatenate(found)
 
     def deviations(self, own: float, kind: str) -> np.ndarray:
@@ -173,7 +189,24 @@ class Discrepancy:
         several = own / len(BREACHES) if kind == "several" else 0.0
         variances = [1.0 - own, *(own if kind == each else several for each in BREACHES)]
         counts = [self.common.shape[1], *(self.breaches[each].shape[1] for each in BREACHES)]
-        return np.sqrt(np.repeat(variances, counts))
+        found = np.repeat(variances, counts)
+        of_length = found[-counts[-1] :]
+        of_length /= counts[-1]
+        if kind in LENGTHS:
+            measure, number = divmod(LENGTHS.index(kind), len(CROSSINGS) - 1)
+            first = measure * len(CROSSINGS) + number
+            of_length[[first, first + 1]] = own / 2.0
+        return np.sqrt(found)
+
+
+def _with_length(
+    tests: tuple[Protocol, ...], depths: Mapping[str, np.ndarray], shares: Mapping[str, float]
+) -> np.ndarray:
+    """Return columns (n, m) of what crosses over with the depth, then of what does with the load."""
+    depth = np.abs(np.concatenate(list(depths.values())))
+    relative = depth / np.maximum(largest_depths(depths, {}), 1e-9 * depth.max())
+    drive = np.concatenate([test.sample_drive for test in tests])
+    return np.column_stack([crossovers(depth, relative), crossovers(drive, relative)])
 
 
 def mean_depth(depths: Mapping[str, np.ndarray]) -> float:
@@ -189,6 +222,8 @@ def largest_depths(depths: Mapping[str, np.ndarray], shares: Mapping[str, float]
 @lru_cache(maxsize=8)
 def log_prior(law_error: float) -> np.ndarray:
     """Return the logarithm of the prior weight (q,) of each of `SIZES`."""
-    size = np.log(np.array([size.share for size in SIZES]) / law_error) / PRIOR_SCALE
-    density = -np.abs(size) - 2.0 * np.log1p(np.exp(-np.abs(size)))
-    return density - logsumexp(density)
+    of_law = np.array([size.share * np.sqrt(1.0 - size.own) for size in SIZES])
+    size = np.abs(np.log(of_law / law_error) / PRIOR_SCALE)
+    density = (-size - 2.0 * np.log1p(np.exp(-size))).reshape(len(SHAPES), -1)
+    shapes = np.log(list(SHAPES.values())) - logsumexp(density, axis=1)
+    return (density + shapes[:, None]).ravel()

@@ -1,10 +1,10 @@
 r"""How the discrepancy of a law is correlated: what obeys the scaling law of a sharp tip, and four ways to breach it.
 
 What obeys it is a smooth functional of the normalised history, see `palpate.inference.discrepancy`. What breaches it
-belongs to each test alone, or has a length and so changes slowly with the load, or follows the clock, as a drift of the
+belongs to each test alone, or has a length, or follows the clock, as a drift of the
 instrument does, or begins where the load turns, as overshoots and backlashes do: there it changes with the logarithm of
 the time since then, and fades over a segment. Each is a Gaussian process; here are columns whose products are its
-correlation.
+correlation. What has a length is one function of few freedoms, see `crossovers`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,7 @@ TIMES = 0.8  # of the logarithm of time: fits of linear solids to power, logarit
 HISTORIES = 0.25  # of the root of the normalised load: the same
 ROUGHER = 6.0  # times shorter than those of the law's discrepancy are the lengths of a mesh's ripple
 LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
-LENGTHS = 1.5  # of the logarithm of the largest load, over which what has a length beside these changes
-LEFT = 0.5  # of the root of the part of the load that is left, the same
-SMALLEST_LOAD = 1e-3  # of the largest one, below which loads count as equal
+CROSSINGS = 4.0 / 5.0 ** np.arange(4)  # of the largest depth or load: lengths, or loads, of body, tip or instrument
 AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
 CLOCK = 0.3  # of a test's duration, over which a drift forgets
 SINCE = 0.8  # of the logarithm of the time since the load turned
@@ -44,15 +42,23 @@ def parts_of_tests(tests: Tests, sharp: bool) -> np.ndarray:
     return block_diag(*(correlation_factor(kernel(features(test, sharp))) for test in tests))
 
 
-@lru_cache(maxsize=32)
-def with_length(tests: Tests) -> np.ndarray:
-    """Return columns (n, m) of a smooth function of the largest load so far and of the part of it that is left."""
-    largest, found = max(test.largest_drive for test in tests), []
-    for test in tests:
-        so_far = _largest_so_far(test)
-        left = np.sqrt(test.sample_drive / so_far)
-        found.append(np.column_stack([left / LEFT, np.log(np.maximum(so_far, SMALLEST_LOAD * largest)) / LENGTHS]))
-    return correlation_factor(kernel(np.vstack(found)))
+def crossovers(measure: np.ndarray, relative: np.ndarray) -> np.ndarray:
+    """Return columns (n, 4) of responses that cross over from one size to another at each of `CROSSINGS`.
+
+    A body or tip with one length has one stiffness far below it and another one far above, and so has an instrument
+    with a load of its own. To first order the depth h at a length l gains a share of h / (1 + h / l). What is in
+    proportion to the depth is left out, since any law has it; the rest has a root mean square of one.
+
+    Parameters
+    ----------
+    measure : ndarray, shape (n,)
+        Depth or load, over which the response crosses over.
+    relative : ndarray, shape (n,)
+        Depth over the largest one so far.
+    """
+    columns = relative[:, None] / (1.0 + measure[:, None] / (CROSSINGS * measure.max()))
+    columns -= np.outer(relative, relative @ columns / (relative @ relative))
+    return columns / np.sqrt(np.mean(columns**2, axis=0))
 
 
 @lru_cache(maxsize=32)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +10,9 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import log_ndtr
 
-from palpate.inference.discrepancy import KINDS, OWN, SHARES, SIZES, Discrepancy, Size, log_prior
+from palpate.inference.discrepancy import SHAPES, SHARES, SIZES, Discrepancy, Size, log_prior
+
+TINY = 1e-300  # below any square of a factor's diagonal
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +38,10 @@ class Modes:
 
     @cached_property
     def of_kinds(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """For each of `KINDS` and `OWN`: which columns act (m,), the modes' coefficients of these, and eigenvalues."""
+        """For each of `SHAPES`: which columns act (m,), the modes' coefficients of these, and eigenvalues."""
         assert self.discrepancy is not None
         inner, found = self.basis.T @ self.basis, []
-        for kind, own in itertools.product(KINDS, OWN):
+        for kind, own in SHAPES:
             deviations = self.discrepancy.deviations(own, kind)
             acts = deviations > 0.0
             scaled = deviations[acts, None] * inner[np.ix_(acts, acts)] * deviations[acts]
@@ -122,14 +123,20 @@ class Marginal:
             Whether the last coefficient is positive, with half of a normal prior.
         """
         variance = np.broadcast_to(variance, self.products.shape[1] - 1)
-        precision = self.products[:, 1:, 1:] + np.diag(1.0 / variance)
-        pull, squares = self.products[:, 1:, 0], self.products[:, 0, 0]
-        best = np.linalg.solve(precision, pull[:, :, None])[:, :, 0]
-        if moves:
-            squares = squares - np.einsum("qi,qi->q", pull, best)
-        volume = np.linalg.slogdet(precision)[1] + np.log(variance).sum()
+        order = np.r_[1 : len(variance) + 1, 0]
+        factor = _factors(self.products[:, order][:, :, order] + np.diag(np.append(1.0 / variance, 0.0)))
+        diagonal, last = np.diagonal(factor, axis1=1, axis2=2), len(variance) - 1
+        squares = diagonal[:, -1] ** 2 if moves else self.products[:, 0, 0]
+        volume = 2.0 * np.log(diagonal[:, :-1]).sum(axis=1) + np.log(variance).sum()
         found = -0.5 * (squares + volume) - self.half_log_det
-        if positive:
-            deviation = np.sqrt(np.linalg.inv(precision)[:, -1, -1])
-            found = found + np.log(2.0) + log_ndtr(best[:, -1] / deviation)
-        return found
+        return found + np.log(2.0) + log_ndtr(factor[:, -1, last]) if positive else found
+
+
+def _factors(matrices: np.ndarray) -> np.ndarray:
+    """Return the lower Cholesky factors (q, k, k) of many small matrices, all at once column by column."""
+    left = np.ascontiguousarray(np.moveaxis(matrices, 0, -1))
+    found = np.zeros_like(left)
+    for k in range(len(left)):
+        found[k:, k] = left[k:, k] - np.einsum("ijq,jq->iq", found[k:, :k], found[k, :k])
+        found[k:, k] /= np.sqrt(np.maximum(found[k, k], TINY))
+    return np.moveaxis(found, -1, 0)
