@@ -48,9 +48,9 @@ SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
 OBEYS = 0.01  # `own` of what obeys the scaling law: one node, of several kinds in equal parts
 OWN = (0.1, 0.9)  # further nodes of the quadrature over `own`; all three are equally probable beforehand
 OWN_OF_LENGTH = (0.9, 0.99, 0.999)  # the same where a single length acts, whose size that of the law does not limit
-BREACHES = ("test", "clock", "reversal", "length")
+BREACHES = ("test", "clock", "reversal")
 LENGTHS = tuple(f"{of} {k}" for of in ("depth", "load") for k in range(len(CROSSINGS) - 1))
-KINDS = (*BREACHES[:-1], "several")
+KINDS = (*BREACHES, "several")
 
 
 def _shapes() -> dict[tuple[str, float], float]:
@@ -94,7 +94,7 @@ class Discrepancy:
     common : ndarray, shape (n, m)
         Columns of the part that obeys the scaling law, per unit of `share` [nm].
     breaches : Mapping
-        Columns (n, m') of the part that breaches it, for each of `BREACHES`.
+        Columns (n, m') of the part that breaches it, for each of `BREACHES` and `LENGTHS`.
     scale : ndarray, shape (n,)
         Largest depth so far [nm].
     law_error
@@ -139,7 +139,7 @@ class Discrepancy:
             "test": scale[:, None] * parts_of_tests(tests, sharp),
             "clock": mean_depth(depths) * clocks(tests),
             "reversal": scale[:, None] * reversals(tests),
-            "length": scale[:, None] * _with_length(tests, depths, shares),
+            **{kind: scale[:, None] * part for kind, part in _with_length(tests, depths).items()},
         }
         return cls(scale[:, None] * common(tests, sharp), breaches, scale, law_error)
 
@@ -169,44 +169,42 @@ class Discrepancy:
     @cached_property
     def columns(self) -> np.ndarray:
         """All columns (n, m) [nm]."""
-        return np.column_stack([self.common, *(self.breaches[kind] for kind in BREACHES)])
+        return np.column_stack([self.common, *self.breaches.values()])
 
-    def left_by_best(self, tangent: np.ndarray) -> np.ndarray:
+    def left_by_best(self, tangent: np.ndarray, of_law: bool = False) -> np.ndarray:
         """Return what the best parameters leave at each node (q,): root mean square as a share of the depth [-].
 
         Parameters
         ----------
         tangent : ndarray, shape (n, k)
             Slopes of the depths by the parameters [nm].
+        of_law
+            Whether only what obeys the scaling law counts.
         """
         basis, columns = np.linalg.qr(tangent / self.scale[:, None])[0], self.columns / self.scale[:, None]
         squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
+        squares[self.common.shape[1] if of_law else len(squares) :] = 0.0
         found = [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for kind, own in SHAPES]
         return np.concatenate(found)
 
     def deviations(self, own: float, kind: str) -> np.ndarray:
         """Return the standard deviation (m,) of each column's coefficient at a share of one."""
         several = own / len(BREACHES) if kind == "several" else 0.0
-        variances = [1.0 - own, *(own if kind == each else several for each in BREACHES)]
-        counts = [self.common.shape[1], *(self.breaches[each].shape[1] for each in BREACHES)]
-        found = np.repeat(variances, counts)
-        of_length = found[-counts[-1] :]
-        of_length /= counts[-1]
+        of_kinds = {**dict.fromkeys(self.breaches, 0.0), **dict.fromkeys(BREACHES, several)}
         if kind in LENGTHS:
-            measure, number = divmod(LENGTHS.index(kind), len(CROSSINGS) - 1)
-            first = measure * len(CROSSINGS) + number
-            of_length[[first, first + 1]] = own / 2.0
-        return np.sqrt(found)
+            of_kinds[kind] = 0.5 * own  # of two columns
+        elif kind in BREACHES:
+            of_kinds[kind] = own
+        counts = [self.common.shape[1], *(columns.shape[1] for columns in self.breaches.values())]
+        return np.sqrt(np.repeat([1.0 - own, *of_kinds.values()], counts))
 
 
-def _with_length(
-    tests: tuple[Protocol, ...], depths: Mapping[str, np.ndarray], shares: Mapping[str, float]
-) -> np.ndarray:
-    """Return columns (n, m) of what crosses over with the depth, then of what does with the load."""
+def _with_length(tests: tuple[Protocol, ...], depths: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return columns (n, 3) of what crosses over with the depth and with the load, by `LENGTHS`."""
     depth = np.abs(np.concatenate(list(depths.values())))
     relative = depth / np.maximum(largest_depths(depths, {}), 1e-9 * depth.max())
     drive = np.concatenate([test.sample_drive for test in tests])
-    return np.column_stack([crossovers(depth, relative), crossovers(drive, relative)])
+    return dict(zip(LENGTHS, [*crossovers(depth, relative), *crossovers(drive, relative)], strict=True))
 
 
 def mean_depth(depths: Mapping[str, np.ndarray]) -> float:

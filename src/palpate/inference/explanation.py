@@ -245,14 +245,15 @@ class Fit:
         density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
         return float(np.exp(density - logsumexp(density)) @ (left <= tolerance))
 
-    def law_share(self, quantiles: Sequence[float] | np.ndarray) -> np.ndarray:
+    def law_share(self, quantiles: Sequence[float] | np.ndarray, of_law: bool = False) -> np.ndarray:
         """Return quantiles of what the best parameters leave without noise, a root mean square in shares of the depth.
 
         Each size of the law's discrepancy counts with its probability; it is zero where the law is taken to be exact.
+        With `of_law` only the part counts that obeys the scaling law.
         """
         if self.errors.law is None:
             return np.zeros(len(quantiles))
-        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent)
+        density, left = self._sizes[1], self.errors.law.left_by_best(self.tangent, of_law)
         order = np.argsort(left)
         weights = np.exp(density - density.max())[order]
         middle = np.cumsum(weights) - 0.5 * weights

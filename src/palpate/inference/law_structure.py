@@ -42,12 +42,13 @@ def parts_of_tests(tests: Tests, sharp: bool) -> np.ndarray:
     return block_diag(*(correlation_factor(kernel(features(test, sharp))) for test in tests))
 
 
-def crossovers(measure: np.ndarray, relative: np.ndarray) -> np.ndarray:
-    """Return columns (n, 4) of responses that cross over from one size to another at each of `CROSSINGS`.
+def crossovers(measure: np.ndarray, relative: np.ndarray) -> list[np.ndarray]:
+    """Return columns (n, 3) of responses that cross over between two neighbours of `CROSSINGS`, for each such pair.
 
     A body or tip with one length has one stiffness far below it and another one far above, and so has an instrument
-    with a load of its own. To first order the depth h at a length l gains a share of h / (1 + h / l). What is in
-    proportion to the depth is left out, since any law has it; the rest has a root mean square of one.
+    with a load of its own. To first order the depth h at a length l gains a share of h / (1 + h / l), if the law is
+    that of large depths; if it is that of small ones, this less h, and so a third column is in proportion to the depth.
+    What of the first two is not, as a stiffness is, has a root mean square of one.
 
     Parameters
     ----------
@@ -57,8 +58,11 @@ def crossovers(measure: np.ndarray, relative: np.ndarray) -> np.ndarray:
         Depth over the largest one so far.
     """
     columns = relative[:, None] / (1.0 + measure[:, None] / (CROSSINGS * measure.max()))
-    columns -= np.outer(relative, relative @ columns / (relative @ relative))
-    return columns / np.sqrt(np.mean(columns**2, axis=0))
+    beside = columns - np.outer(relative, relative @ columns / (relative @ relative))
+    sizes = np.sqrt(np.mean(beside**2, axis=0))
+    columns = columns / sizes
+    pairs = range(len(CROSSINGS) - 1)
+    return [np.column_stack([columns[:, k], columns[:, k + 1], relative / sizes[k : k + 2].mean()]) for k in pairs]
 
 
 @lru_cache(maxsize=32)

@@ -9,8 +9,8 @@ features f(z) of the curves,
 A law that lacks creep at short times takes it for elasticity. Fits of Burgers solids to power, logarithmic and
 stretched creep leave a modulus that is too low, its logarithm by 6 to 52 times the root mean square misfit as a share
 of the depth (`studies.coverage.structure`), and hardly show it, as the misfit is least there. So the draws of Young's
-modulus are raised by the positive part of a normal deviate, of `AT_ONCE` times the misfit's posterior: the law may or
-may not lack such creep.
+modulus are raised by the positive part of a normal deviate, of `AT_ONCE` times the posterior of that part of the misfit
+which obeys the scaling law: the law may or may not lack such creep.
 
 Proposals come from a mixture of Student's distributions, first one for each size, to first order; then, as long as the
 weights are uneven, about draws of the round before (population Monte Carlo: O. Cappe et al., J. Comput. Graph. Stat. 13
@@ -66,7 +66,7 @@ def _with_creep_at_once(fit: Fit, draws: np.ndarray, rng: np.random.Generator) -
     if MODULUS not in names:
         return draws
     place = names.index(MODULUS)
-    modulus, shares = fit.coordinates.free[place], fit.law_share(rng.random(len(draws)))
+    modulus, shares = fit.coordinates.free[place], fit.law_share(rng.random(len(draws)), of_law=True)
     more = AT_ONCE * shares * np.maximum(rng.standard_normal(len(draws)), 0.0)
     raised = draws.copy()
     raised[:, place] = modulus.scaled(modulus.physical(draws[:, place]) * np.exp(more))
