@@ -65,7 +65,7 @@ def test_kinematic_hardening_lowers_the_yield_stress_of_the_way_back_by_twice_wh
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_steady_eyring_flow_with_pressure(sign):
-    """At a constant rate r_0 sinh(sigma/sigma_0) exp(mu sigma / (3 sigma_0)) becomes that rate; tension flows easier."""
+    """The rate r_0 sinh(sigma/sigma_0) exp(mu sigma / (3 sigma_0)) becomes the one prescribed; tension flows easier."""
     flow = {"reference_rate": 1e-6, "eyring_stress": 0.005, "pressure_coefficient": 0.2}
     stress = response_to(row("eyring", **flow), TIME, sign * 1e-2 * TIME)[-1]
     rate = 1e-6 * np.sinh(abs(stress) / 0.005) * np.exp(0.2 * stress / (3.0 * 0.005))

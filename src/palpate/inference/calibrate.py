@@ -13,6 +13,7 @@ from palpate.errors import InputError, PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
 from palpate.inference.discrepancy import LAW_ERROR
 from palpate.inference.estimates import (
+    bulk_predictions,
     condition_errors,
     estimates,
     intervals,
@@ -135,6 +136,7 @@ def calibrate(
         converged=fit.converged,
         misfit_ratio=fit.misfit_ratio,
         discrepancy=law_discrepancy(fit),
+        uniaxial=bulk_predictions(fit, found),
         correlation=named_matrix(fit.coordinates, found.correlation),
         noise=noise_table(problem, fit.errors.noise),
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),

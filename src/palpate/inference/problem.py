@@ -8,7 +8,7 @@ equivalent depths (`palpate.observables.observable`), so that noise, drift and m
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -19,6 +19,7 @@ from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.models.bulk_model import BulkModel
 from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.models.finite_elements import FiniteElements
 from palpate.models.forward import Curves, Forward
@@ -48,6 +49,8 @@ class Problem:
     at : ndarray, shape (k,), optional
         Coordinates of the material at which effects on a load are taken, where a displacement is prescribed; by default
         the middle of the ranges.
+    bulk
+        The law under uniaxial tests of the study.
     """
 
     conditions: tuple[Condition, ...]
@@ -56,13 +59,14 @@ class Problem:
     scale: Scale
     sharp: bool = True
     at: np.ndarray | None = None
+    bulk: BulkModel = field(default_factory=BulkModel)
 
     @classmethod
     def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
         """Put those conditions of a study together whose recordings have the role ``calibrate``."""
         conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
         forward = FiniteElements.of(study, [c.name for c in conditions])
-        return cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
+        return cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp, bulk=BulkModel.of(study))
 
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
         """Return the problem with each replicate brought to the load of its condition, with the material's `values`.

@@ -12,6 +12,7 @@ import numpy as np
 
 from indentation_files.recording import Recording
 from palpate.configuration.study_file import Study
+from palpate.data.bulk_tests import bulk_tests
 from palpate.data.measures import check_measurable
 from palpate.data.observation import Observation
 from palpate.data.study_recordings import Look, check_given, resampled, written_by_workflow
@@ -47,6 +48,7 @@ def checked(study: Study, look: Look | None = None) -> Study:
         _check_folders(study)
         _check_laboratory(study)
         check_calibration(study)
+        list(bulk_tests(study))
         if study.diagnosis["enabled"]:
             check_diagnosis(study)
         for recorded in check_given(study, look):

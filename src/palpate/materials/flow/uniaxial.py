@@ -21,11 +21,11 @@ import math
 import numpy as np
 from numba import njit
 
+from indentation_files.uniaxial_test import STRAIN, STRESS
 from palpate.materials.flow.point import commit, history, residual, solve, state_size
 from palpate.materials.flow.radial import NOTHING, borne
 from palpate.materials.flow.row import BULK, COMPLIANCE, SPLIT, STIFFENING, step_weights
 
-STRAIN, STRESS = "strain", "stress"
 TOLERANCE = 1e-4  # of the largest response; chosen, below the noise of a load cell
 HALVINGS = 8  # of an interval, at most
 CLOSE = 1e-10  # relative change of the unknown that ends a step's iteration
