@@ -133,17 +133,24 @@ def response_to(row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, contr
     ndarray, shape (n,)
         NaN from the point on where no strain bears the stress.
     """
-    coarse = _divided(row, time, prescribed, control, 1)
+    return response_in_steps(row, time, prescribed, control, steps_needed(row, time, prescribed, control))
+
+
+def steps_needed(row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, control: str = STRAIN) -> int:
+    """Return the steps from a sample to the next with which a response changes no more than by `TOLERANCE`."""
+    coarse = response_in_steps(row, time, prescribed, control, 1)
     for halving in range(1, HALVINGS + 1):
-        fine = _divided(row, time, prescribed, control, 2**halving)
+        fine = response_in_steps(row, time, prescribed, control, 2**halving)
         if not np.nanmax(np.abs(fine - coarse), initial=0.0) > TOLERANCE * np.nanmax(np.abs(fine), initial=0.0):
             break
         coarse = fine
-    return fine
+    return 2**halving
 
 
-def _divided(row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, control: str, parts: int) -> np.ndarray:
-    """Return the response at the samples (n,), with so many steps from each to the next."""
+def response_in_steps(
+    row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, control: str, parts: int
+) -> np.ndarray:
+    """Return the response at the samples (n,) with so many steps, or `parts`, from each to the next."""
     places = np.arange((len(time) - 1) * parts + 1) / parts
     steps = np.diff(np.interp(places, np.arange(len(time)), time), prepend=time[0])
     drive = np.interp(places, np.arange(len(time)), prescribed)
