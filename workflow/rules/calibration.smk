@@ -13,7 +13,7 @@ rule calibration:
             f"{FOLDER}/surrogates/{{condition}}.json",
             condition=STUDY.condition_sets[wildcards.condition_set],
         ),
-        evidence=EVIDENCE,
+        evidence=[str(each.file) for each in STUDY.evidence],
     output:
         result=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.json",
         curves=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.curves.csv",

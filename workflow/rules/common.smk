@@ -174,7 +174,6 @@ if workflow.is_main_process:
             lambda: set(workflow.dag_settings.targets) <= {"all"},
         )
     )
-EVIDENCE = [str(each.file) for each in STUDY.evidence]
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
 
 

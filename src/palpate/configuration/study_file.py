@@ -11,7 +11,7 @@ from typing import Any
 from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
-from palpate.configuration.evidence import Evidence, evidence_from
+from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
 from palpate.configuration.recording_sets import recording_sets
@@ -112,7 +112,7 @@ class Study:
     conditions: tuple[Condition, ...]
     condition_sets: Mapping[str, tuple[str, ...]]
     recordings: Mapping[str, Path]
-    evidence: tuple[Evidence, ...]
+    evidence: tuple[EvidenceFile, ...]
     cells_per_job: int | None
     seed: int
     surrogate: Mapping[str, Any]

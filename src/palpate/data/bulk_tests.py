@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from indentation_files.uniaxial_test import STRESS, UniaxialTest, read_uniaxial
-from palpate.configuration.evidence import AUTO
+from palpate.configuration.further_evidence import AUTO
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError, located_in
 

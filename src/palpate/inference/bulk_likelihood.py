@@ -8,14 +8,18 @@ with the law's response f at a point, white noise of the test's own standard dev
 S. The discrepancy x of the law is a Gaussian process of standard deviation `share`, which changes with the time t since
 the beginning, and with the way w of what is prescribed, in units of its largest value,
 
-    corr(x, x') = exp(-(ln t - ln t')^2 / (2 a^2) - (w - w')^2 / (2 b^2)),
+    corr(x, x') = (1 + r) exp(-r),    r^2 = 3 ((ln t - ln t')^2 / a^2 + (w - w')^2 / b^2),
 
-over the lengths that the depth's has. Its size is that which makes the residual of the law's best fit to this test
-alone most likely, with the prior of the depth's: a depth goes with the root of a compliance, so that the median is
-twice `law_error`. So it is known before any curve of indentation, and is the same for all explanations, whose evidence
-can be compared. What the law lacks here and under the tip counts as independent.
+over the lengths that the depth's has. That is Matern's correlation, once differentiable: with the depth's, which is
+infinitely smooth, the corners of one precise curve would ask for a size far above what the law lacks.
 
-Source: M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425-464, for the discrepancy.
+Its size is that which makes the residual of the law's best fit to this test alone most likely, with the prior of the
+depth's: a depth goes with the root of a compliance, so that the median is twice `law_error`. So it is known before any
+curve of indentation, and is the same for all explanations, whose evidence can be compared. What the law lacks here and
+under the tip counts as independent.
+
+Source: M. C. Kennedy and A. O'Hagan, J. R. Statist. Soc. B 63 (2001) 425-464, for the discrepancy; C. E. Rasmussen and
+C. K. I. Williams, Gaussian Processes for Machine Learning (2006), equation 4.17, for the correlation.
 """
 
 from __future__ import annotations
@@ -101,8 +105,9 @@ def covariance(test: BulkTest, share: float) -> np.ndarray:
     logs = np.log(np.maximum(time, time[1]))
     largest = np.maximum.accumulate(np.abs(test.response))
     way = np.cumsum(np.abs(np.diff(test.prescribed, prepend=0.0))) / np.abs(test.prescribed).max()
-    apart = ((logs[:, None] - logs) / TIMES) ** 2 + ((way[:, None] - way) / HISTORIES) ** 2
-    return test.noise**2 * np.eye(len(time)) + share**2 * np.outer(largest, largest) * np.exp(-0.5 * apart)
+    apart = np.sqrt(3.0 * (((logs[:, None] - logs) / TIMES) ** 2 + ((way[:, None] - way) / HISTORIES) ** 2))
+    correlation = (1.0 + apart) * np.exp(-apart)
+    return test.noise**2 * np.eye(len(time)) + share**2 * np.outer(largest, largest) * correlation
 
 
 def _sized(bulk: BulkModel, test: BulkTest, coordinates: Coordinates, law_error: float) -> FittedTest:

@@ -22,6 +22,8 @@ def predicted(
 
     Parameters
     ----------
+    bulk
+        The law and the tests.
     values
         Estimates of the law's parameters by name.
     draws

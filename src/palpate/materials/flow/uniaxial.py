@@ -11,7 +11,12 @@ the laws relate true stress to logarithmic strain as well; the axes keep still, 
 What is prescribed runs straight between samples. The intervals between them are divided in two until the response
 changes by less than `TOLERANCE`.
 
-Arguments of the kernels: those of `palpate.materials.flow.point`, tensors having three normal components.
+Arguments of the kernels are those of `palpate.materials.flow.point`, tensors having three normal components, with
+`past` and `back` (3,), which `history` writes, and
+
+- `strain`, `stress`: along the axis, at the end of a step, the second one in GPa
+- `prescribed` (n,): strain or, where `stress_driven`, stress at the ends of all steps, whose `weights` are (n, w)
+- `response` (n,): out, the other one
 """
 
 from __future__ import annotations
@@ -86,10 +91,7 @@ def rho_at(stress, rho, back, alpha, weights, law):
 
 @njit(cache=True)
 def march(prescribed, stress_driven, weights, law, state, response):
-    """Write the response (n,) to what is prescribed (n,) at the ends of steps with `weights` (n, w).
-
-    The `state` (k,) is advanced in place. What follows a step that fails is NaN.
-    """
+    """Write the response to what is prescribed, and advance the `state` in place; NaN from a step on that fails."""
     past, back, trial = np.empty(3), np.empty(3), np.empty(3)
     direction = np.array([1.0, -0.5, -0.5])
     lateral, stress, rho = 1.0 / (9.0 * law[BULK]), 0.0, 0.0
@@ -137,7 +139,7 @@ def response_to(row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, contr
 
 
 def steps_needed(row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, control: str = STRAIN) -> int:
-    """Return the steps from a sample to the next with which a response changes no more than by `TOLERANCE`."""
+    """Return the steps from a sample to the next beyond which `response_to` changes by no more than `TOLERANCE`."""
     coarse = response_in_steps(row, time, prescribed, control, 1)
     for halving in range(1, HALVINGS + 1):
         fine = response_in_steps(row, time, prescribed, control, 2**halving)
@@ -150,7 +152,7 @@ def steps_needed(row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, cont
 def response_in_steps(
     row: np.ndarray, time: np.ndarray, prescribed: np.ndarray, control: str, parts: int
 ) -> np.ndarray:
-    """Return the response at the samples (n,) with so many steps, or `parts`, from each to the next."""
+    """Return what `response_to` does, with so many steps, or `parts`, from each sample to the next."""
     places = np.arange((len(time) - 1) * parts + 1) / parts
     steps = np.diff(np.interp(places, np.arange(len(time)), time), prepend=time[0])
     drive = np.interp(places, np.arange(len(time)), prescribed)

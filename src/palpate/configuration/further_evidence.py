@@ -15,7 +15,7 @@ AUTO = "auto"  # the quantity that the file shows to be prescribed
 
 
 @dataclass(frozen=True)
-class Evidence:
+class EvidenceFile:
     """One file of further evidence.
 
     Parameters
@@ -41,7 +41,7 @@ class Evidence:
         return self.file.stem
 
 
-def evidence_from(given: Sequence[Mapping[str, Any]], conditions: Sequence[str]) -> tuple[Evidence, ...]:
+def evidence_from(given: Sequence[Mapping[str, Any]], conditions: Sequence[str]) -> tuple[EvidenceFile, ...]:
     """Return the entries of a section ``evidence``.
 
     Parameters
@@ -56,7 +56,7 @@ def evidence_from(given: Sequence[Mapping[str, Any]], conditions: Sequence[str])
     InputError
         When an entry belongs to a condition, or two files have one name.
     """
-    found: list[Evidence] = []
+    found: list[EvidenceFile] = []
     for k, entry in enumerate(given):
         file, of = Path(entry["file"]).expanduser(), entry.get("of") or NONE
         with part_of(f"evidence[{k}]"):
@@ -72,5 +72,5 @@ def evidence_from(given: Sequence[Mapping[str, Any]], conditions: Sequence[str])
             if file.stem in [each.name for each in found]:
                 remedy = "rename one of them: results are listed by the name of the file"
                 raise InputError(f"another file of evidence is called {file.stem}, too", remedy=remedy, place="file")
-        found.append(Evidence(entry["kind"], file, entry.get("role", "calibrate"), entry.get("control", AUTO)))
+        found.append(EvidenceFile(entry["kind"], file, entry.get("role", "calibrate"), entry.get("control", AUTO)))
     return tuple(found)
