@@ -112,6 +112,7 @@ def test_small_strains_are_for_small_strains(tmp_path, refused):
             "evidence[0].of: a uniaxial test belongs to no condition, 'P1_T30' is given; write of: none",
         ),
         ({"rol": "validate"}, "evidence[0].rol: unknown key 'rol' (did you mean 'role'?)"),
+        ({"file": "a{b}.csv"}, "evidence[0].file: a{b}.csv has braces, which are wildcards of Snakemake"),
         ({"file": "nowhere.csv"}, "nowhere.csv: cannot be read (No such file or directory)"),
     ],
 )

@@ -138,6 +138,7 @@ def _check_braces(study: Study) -> None:
     """Refuse paths of rules that Snakemake would take for patterns; raises `InputError`."""
     written = [name for name in study.recordings if written_by_workflow(study, name)]
     paths = {f"recordings.{name}": str(study.recordings[name]) for name in written}
+    paths |= {f"evidence[{k}].file": str(each.file) for k, each in enumerate(study.evidence)}
     for place, path in (paths | ({"source.file": str(study.source["file"])} if study.source else {})).items():
         if "{" in path or "}" in path:
             raise InputError(f"{path} has braces, which are wildcards of Snakemake", remedy="rename it", place=place)
