@@ -72,6 +72,7 @@ def _described(
     """Yield what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
     from palpate.data.bulk_tests import bulk_tests
     from palpate.data.study_recordings import written_by_workflow
+    from palpate.models.imprints import imprints
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
 
@@ -84,6 +85,12 @@ def _described(
     held_out = ", ".join(c.name for c in study.conditions if c.role == "validate") or "no condition"
     yield f"calibrated on {', '.join(calibrated)}; validated on {held_out}"
     yield from map(_bulk_test, bulk_tests(study))
+    for imprint in imprints(study):
+        profile = imprint.profile
+        yield (
+            f"evidence {profile.name}: imprint of {imprint.condition.name}, {len(profile.radius)} points to "
+            f"{profile.radius[-1]:.4g} nm, {-profile.height.min():.4g} nm deep; it judges the calibrated law"
+        )
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
     for name, folder in study.recordings.items():

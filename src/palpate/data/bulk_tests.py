@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from indentation_files.uniaxial_test import STRESS, UniaxialTest, read_uniaxial
-from palpate.configuration.further_evidence import AUTO
+from palpate.configuration.further_evidence import AUTO, UNIAXIAL
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError, located_in
 
@@ -76,7 +76,7 @@ def bulk_tests(study: Study) -> Iterator[BulkTest]:
     InputError
         When a file is no test, its units are in doubt, or its strains are beyond what the law is for.
     """
-    for evidence in study.evidence:
+    for evidence in (each for each in study.evidence if each.kind == UNIAXIAL):
         test = read_uniaxial(evidence.file)
         with located_in(evidence.file):
             _check_sizes(test, study)

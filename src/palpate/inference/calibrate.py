@@ -23,6 +23,7 @@ from palpate.inference.estimates import (
 )
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
+from palpate.inference.imprint_prediction import imprint_predictions
 from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.problem import Problem
 from palpate.inference.starting_places import scattered
@@ -137,6 +138,7 @@ def calibrate(
         misfit_ratio=fit.misfit_ratio,
         discrepancy=law_discrepancy(fit),
         uniaxial=bulk_predictions(fit, found),
+        imprint=imprint_predictions(fit, report),
         correlation=named_matrix(fit.coordinates, found.correlation),
         noise=noise_table(problem, fit.errors.noise),
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),

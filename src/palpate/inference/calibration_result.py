@@ -65,6 +65,8 @@ class CalibrationOutcome:
         interval; None where the law is taken to be exact.
     uniaxial
         For each uniaxial test of the bulk what `palpate.inference.bulk_prediction.predicted` returns.
+    imprint
+        For each imprint what `palpate.inference.imprint_prediction.imprint_predictions` returns.
     correlation
         Correlations of the free parameters, by name.
     noise
@@ -91,6 +93,7 @@ class CalibrationOutcome:
     misfit_ratio: float
     discrepancy: Mapping[str, float] | None
     uniaxial: Mapping[str, Mapping[str, Any]]
+    imprint: Mapping[str, Mapping[str, Any]]
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
     evaluations: int

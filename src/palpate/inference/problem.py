@@ -24,6 +24,7 @@ from palpate.models.bulk_model import BulkModel
 from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.models.finite_elements import FiniteElements
 from palpate.models.forward import Curves, Forward
+from palpate.models.imprints import Imprint, imprints
 from palpate.observables.depth import DEPTH
 from palpate.solver.study_scale import scale_of
 from palpate.solver.variation import added_by_instrument, applied_to_body
@@ -52,6 +53,8 @@ class Problem:
         the middle of the ranges.
     bulk, bulk_likelihood
         The law under uniaxial tests of the study, and the likelihood of those that calibrate.
+    imprints
+        Residual profiles that judge the law.
     """
 
     conditions: tuple[Condition, ...]
@@ -62,6 +65,7 @@ class Problem:
     at: np.ndarray | None = None
     bulk: BulkModel = field(default_factory=BulkModel)
     bulk_likelihood: BulkLikelihood = field(default_factory=BulkLikelihood)
+    imprints: tuple[Imprint, ...] = ()
 
     @classmethod
     def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
@@ -70,7 +74,8 @@ class Problem:
         forward = FiniteElements.of(study, [c.name for c in conditions])
         bulk = BulkModel.of(study)
         likelihood = BulkLikelihood.of(bulk, forward.coordinates, study.calibration["law_error"])
-        return cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp, None, bulk, likelihood)
+        found = cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
+        return replace(found, bulk=bulk, bulk_likelihood=likelihood, imprints=tuple(imprints(study)))
 
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
         """Return the problem with each replicate brought to the load of its condition, with the material's `values`.

@@ -19,6 +19,7 @@ from palpate.data.study_recordings import Look, check_given, resampled, written_
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
+from palpate.models.imprints import imprints
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.study.indenter import check_cone
@@ -49,6 +50,7 @@ def checked(study: Study, look: Look | None = None) -> Study:
         _check_laboratory(study)
         check_calibration(study)
         list(bulk_tests(study))
+        list(imprints(study))
         if study.diagnosis["enabled"]:
             check_diagnosis(study)
         for recorded in check_given(study, look):

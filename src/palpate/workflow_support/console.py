@@ -16,6 +16,7 @@ from typing import TextIO
 from palpate.base.rounding import rounded
 from palpate.inference.calibration_result import MOST_MISFIT
 from palpate.output.results.bulk_errors import bulk_sentences
+from palpate.output.results.imprint_errors import imprint_sentences
 from palpate.workflow_support.expected_time import COMPILING, time_in_words
 from palpate.workflow_support.result_files import read_json
 
@@ -169,6 +170,7 @@ class Console:
                 where = f"{file.parents[1].name}, {file.stem}"
                 yield f"{where}: chi-square per degree of freedom {rounded(ratio)}, {enough}"
                 yield from (f"{where}: {text}" for text in bulk_sentences(found.get("uniaxial") or {}))
+                yield from (f"{where}: {text}" for text in imprint_sentences(found.get("imprint") or {}))
             elif rule == "diagnosis":
                 found = read_json(file)
                 named = f": {', '.join(found['mechanisms'])}" if found["mechanisms"] else ""

@@ -13,8 +13,8 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 from palpate.output.figures import curve_panels, curves, residuals
 from palpate.output.html_report import paragraph, table
+from palpate.output.report import further_evidence_sections
 from palpate.output.results.answer import Answer
-from palpate.output.results.bulk_errors import bulk_table
 from palpate.output.results.diagnosis import quantity_in_words, titles_of
 
 WORDS = {"calibrate": "fitted", "validate": "held\u00a0out"}
@@ -62,7 +62,8 @@ def sections(found: Answer, picture: Picture) -> list[tuple[str, list[str]]]:
         every.append(("Explanations", _explanations(found, picture)))
         every.append(("Identifiability", _identifiability(found)))
         every.append(("What the recordings show without a model", _exact(found)))
-    every.append(("Uniaxial tests of the bulk", _bulk(found, picture)))
+    every.append(("Uniaxial tests of the bulk", further_evidence_sections.uniaxial(found, picture)))
+    every.append(("Imprints", further_evidence_sections.imprint(found, picture)))
     every.append(("Calibration sets", _calibrations(found, picture)))
     return [(heading, pieces) for heading, pieces in every if pieces]
 
@@ -110,18 +111,6 @@ def _errors(found: Answer) -> str:
             row["noise and scatter"] = f"{rounded(float((band**2).mean() ** 0.5) / residuals.COVERED, 2)} {unit}"
         rows.append(row)
     return table(pd.DataFrame(rows), "Error of each condition: root mean square of recorded less simulated response")
-
-
-def _bulk(found: Answer, picture: Picture) -> list[str]:
-    """Return figure and errors of the uniaxial tests; nothing where a study has none."""
-    tests = found.calibration.uniaxial
-    if not tests:
-        return []
-    about = (
-        "The law at a material point under what the machine prescribed, without finite elements. The band is that of "
-        "the base model's parameters; in band: share of the points in it, with twice the noise."
-    )
-    return [picture("uniaxial"), paragraph(about), table(bulk_table(tests))]
 
 
 def _fails(found: Answer, picture: Picture) -> list[str]:

@@ -14,6 +14,7 @@ from palpate.mechanisms import MECHANISMS
 from palpate.output.results.bulk_errors import bulk_facts, without_curves
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis, effect_sentence, quantity_in_words
+from palpate.output.results.imprint_errors import imprint_facts
 from palpate.output.saved_set import SavedSet
 from palpate.output.tip_words import tip_in_words
 
@@ -164,6 +165,8 @@ class Answer:
             rows.append(("Discrepancy of the law", self._discrepancy(found)))
         if tests := self.calibration.uniaxial:
             rows.append(("Uniaxial tests of the bulk", bulk_facts(tests)))
+        if profiles := self.calibration.imprint:
+            rows.append(("Imprints", imprint_facts(profiles)))
         if (further := self.nothing_further) is not None:
             rows.append(("Nothing further acts", _further(further)))
         if (test := self.next_test) is not None:
@@ -238,6 +241,7 @@ class Answer:
             f"parameters  {values}",
             f"error       {self._tests_of_error}: {self._error}",
             *([f"bulk        {bulk_facts(tests)}"] if (tests := self.calibration.uniaxial) else []),
+            *([f"imprints    {imprint_facts(profiles)}"] if (profiles := self.calibration.imprint) else []),
         ]
 
     def to_mapping(self) -> dict[str, Any]:
@@ -258,6 +262,7 @@ class Answer:
             "nothing_further": self.nothing_further,
             "next_test": self.next_test,
             "uniaxial": without_curves(self.calibration.uniaxial),
+            "imprint": without_curves(self.calibration.imprint),
             "sentence": self.sentence,
             "lines": self.lines(),
         }

@@ -22,6 +22,7 @@ from palpate.output.figures import curves as curves_figure
 from palpate.output.figures import uniaxial_curves
 from palpate.output.figures.curve_panels import of_fit
 from palpate.output.results.bulk_errors import bulk_sentences, bulk_table
+from palpate.output.results.imprint_errors import imprint_sentences, imprint_table
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 
@@ -83,6 +84,12 @@ class Calibration(Shown):
     def uniaxial(self) -> Mapping[str, Mapping[str, Any]]:
         """Errors, and the predicted curve with its 95 % band, of each uniaxial test of the bulk by its name."""
         found: Mapping[str, Mapping[str, Any]] = self.content.get("uniaxial") or {}
+        return found
+
+    @property
+    def imprint(self) -> Mapping[str, Mapping[str, Any]]:
+        """Errors, and the predicted residual profile, of each imprint by its name."""
+        found: Mapping[str, Mapping[str, Any]] = self.content.get("imprint") or {}
         return found
 
     @property
@@ -157,12 +164,12 @@ class Calibration(Shown):
         return "" if self.content["converged"] else f"The search has not converged: {remedy}."
 
     def sentences(self) -> list[str]:
-        """Return errors, misfit, estimates outside their range, convergence, and uniaxial tests in words."""
+        """Return errors, misfit, estimates outside their range, convergence, uniaxial tests and imprints in words."""
         every = (self.error_sentence(), self.misfit_sentence(), self.bound_sentence(), self.convergence_sentence())
-        return [text for text in (*every, *bulk_sentences(self.uniaxial)) if text]
+        return [text for text in (*every, *bulk_sentences(self.uniaxial), *imprint_sentences(self.imprint)) if text]
 
     def tables(self) -> list[pd.DataFrame]:
-        """Return the parameters with their intervals, and the errors of the conditions and of uniaxial tests."""
+        """Return the parameters with their intervals, and the errors of conditions, uniaxial tests and imprints."""
         rows = (
             {
                 "parameter": in_words(name),
@@ -172,7 +179,8 @@ class Calibration(Shown):
             }
             for name, entry in self.parameters.items()
         )
-        return [pd.DataFrame(rows), self.errors, *([bulk_table(self.uniaxial)] if self.uniaxial else [])]
+        further = (bulk_table(self.uniaxial), imprint_table(self.imprint))
+        return [pd.DataFrame(rows), self.errors, *(each for each in further if len(each))]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
         """Draw recorded and simulated curves.
