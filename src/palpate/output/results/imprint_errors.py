@@ -23,7 +23,7 @@ def imprint_sentences(found: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     for name, entry in found.items():
         yield (
             f"Imprint {name} of {entry['of']}, predicted: root mean square error of the profile "
-            f"{rounded(entry['rmse_nm'], 2)} nm, {rounded(entry['percent_error'], 2)} % of its depth; pile-up "
+            f"{rounded(entry['rmse_nm'], 2)} nm, {rounded(entry['percent_error'], 2)} % of its depth; highest point "
             f"{rounded(entry['pile_up_nm'], 2)} nm recorded, {rounded(entry['predicted_pile_up_nm'], 2)} nm predicted."
         )
 
