@@ -114,6 +114,26 @@ def read_history(path: Path, control: str) -> Recording:
         raise error.located(file=path) from None
 
 
+def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
+    """Return the columns (k, n) of a CSV that has a `header`, and all of its comments.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, has another header, or a line is no such numbers.
+    """
+    lines = _numbered(path)
+    notes, number, found = _begun(lines)
+    if found != header:
+        raise InputError(
+            f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}",
+            remedy="name the columns like that, in these units, separated by commas",
+            file=path,
+            place=f"line {number}" if found else None,
+        )
+    return _columns(lines, header, path, notes), notes
+
+
 def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
     with _errors_of_reading(path):

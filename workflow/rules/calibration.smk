@@ -13,6 +13,7 @@ rule calibration:
             f"{FOLDER}/surrogates/{{condition}}.json",
             condition=STUDY.condition_sets[wildcards.condition_set],
         ),
+        evidence=[str(each.file) for each in STUDY.evidence],
     output:
         result=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.json",
         curves=f"{FOLDER}/{{recordings}}/calibrations/{{condition_set}}.curves.csv",
@@ -31,6 +32,7 @@ rule calibration:
     params:
         recordings=lambda wildcards: contents(wildcards.recordings),
         settings=constant(STUDY.calibration),
+        evidence=evidence(),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         own_loads=OWN_LOADS,

@@ -139,6 +139,15 @@ def contents(name):
     return checksum(*files_of(STUDY, name))
 
 
+def evidence(*roles):
+    """The content of the files of further evidence of some roles, of all by default, and how each is used."""
+    return [
+        [checksum(each.file), each.role, each.control]
+        for each in STUDY.evidence
+        if not roles or each.role in roles
+    ]
+
+
 def all_recordings(wildcards):
     """The files of all sets of recordings."""
     return [file for name in STUDY.recordings for file in files_of(STUDY, name)]

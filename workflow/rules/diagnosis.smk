@@ -3,6 +3,7 @@ rule diagnosis:
     input:
         recordings=lambda wildcards: files_of(STUDY, wildcards.recordings),
         calibration=f"{FOLDER}/{{recordings}}/calibration.json",
+        evidence=[str(each.file) for each in STUDY.evidence if each.role == "calibrate"],
     output:
         result=f"{FOLDER}/{{recordings}}/diagnosis.json",
         curves=f"{FOLDER}/{{recordings}}/diagnosis.curves.csv",
@@ -20,6 +21,7 @@ rule diagnosis:
     params:
         recordings=lambda wildcards: contents(wildcards.recordings),
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
+        evidence=evidence("calibrate"),
         seed=STUDY.seed,
         curves=curves(STUDY.cells[0], None),
         own_loads=OWN_LOADS,

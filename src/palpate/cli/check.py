@@ -14,6 +14,7 @@ from palpate.cli import path
 if TYPE_CHECKING:
     from indentation_files.recording import Recording
     from palpate.configuration.study_file import Study
+    from palpate.data.bulk_tests import BulkTest
 
 NAME = "check"
 HELP = "check a study and its recordings, and estimate how long it takes"
@@ -69,7 +70,9 @@ def _described(
     study: Study, counts: Mapping[str, Mapping[str, int]], remarks: Mapping[str, Sequence[str]]
 ) -> Iterator[str]:
     """Yield what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
+    from palpate.data.bulk_tests import bulk_tests
     from palpate.data.study_recordings import written_by_workflow
+    from palpate.models.imprints import imprints
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import passed_over
 
@@ -81,6 +84,13 @@ def _described(
             yield f"{', '.join(c.name for c in conditions)} differ in size alone: one simulation gives them all"
     held_out = ", ".join(c.name for c in study.conditions if c.role == "validate") or "no condition"
     yield f"calibrated on {', '.join(calibrated)}; validated on {held_out}"
+    yield from map(_bulk_test, bulk_tests(study))
+    for imprint in imprints(study):
+        profile = imprint.profile
+        yield (
+            f"evidence {profile.name}: imprint of {imprint.condition.name}, {len(profile.radius)} points to "
+            f"{profile.radius[-1]:.4g} nm, {-profile.height.min():.4g} nm deep; it judges the calibrated law"
+        )
     if not study.recordings:
         yield "no recordings: nothing will be calibrated or diagnosed; name a folder under recordings"
     for name, folder in study.recordings.items():
@@ -92,3 +102,13 @@ def _described(
         repeated = [condition for condition in calibrated if tests[condition] > 1]
         if study.diagnosis["enabled"] and 2 * len(repeated) <= len(calibrated):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"
+
+
+def _bulk_test(found: BulkTest) -> str:
+    """Return what is taken of a uniaxial test, in one line."""
+    test, used = found.test, "is fitted as well" if found.role == "calibrate" else "judges the calibrated law"
+    return (
+        f"evidence {found.name}: uniaxial test of {len(test.time)} points in {test.time[-1] - test.time[0]:.4g} s, "
+        f"strain {test.strain.min():.3g} to {test.strain.max():.3g}, stress {test.stress.min():.3g} to "
+        f"{test.stress.max():.3g} GPa; the {found.control} is taken as prescribed, the {found.observed} {used}"
+    )

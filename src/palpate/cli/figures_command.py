@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from palpate.errors import InputError
-
-if TYPE_CHECKING:
-    from palpate.configuration.study_file import Study
 
 NAME = "figures"
 HELP = "draw the figures of a study for a paper, from its saved results"
@@ -41,34 +37,20 @@ def run(arguments: argparse.Namespace) -> int:
     InputError
         When there is no such study, its results are not complete, or the style cannot be read.
     """
+    from palpate.configuration.study_file import study_from
     from palpate.output.written_figures import write_figures
+    from palpate.workflow_support.named_study import named_study
     from palpate.workflow_support.saved_results import saved_sets
 
     if arguments.style is not None and not arguments.style.is_file():
         raise InputError("is no file", remedy="give a style sheet of Matplotlib", file=arguments.style, place="--style")
-    study = _study(arguments.study)
+    study = study_from(*named_study(arguments.study))
     results = Path("results") / study.name
     sets = saved_sets(study, results)
     folder = arguments.output or results / "paper"
     style, titled = arguments.style, not arguments.no_title
     print(*write_figures(sets, folder, arguments.format, arguments.width, style, titled), sep="\n")
     return 0
-
-
-def _study(given: str) -> Study:
-    """Return the study that a file holds, or whose results have the name."""
-    from palpate.configuration.study_file import load_study, study_from
-    from palpate.workflow_support import manifest
-    from palpate.workflow_support.result_files import read_json
-
-    if Path(given).is_file():
-        return load_study(given)
-    file = Path("results") / given / manifest.NAME
-    if not file.is_file():
-        names = sorted(each.parent.name for each in Path("results").glob(f"*/{manifest.NAME}"))
-        there = f"use one of: {', '.join(names)}" if names else "run one first: palpate run STUDY.yaml"
-        raise InputError(f"{given!r} is no file, and results holds no study of that name", remedy=there, place="STUDY")
-    return study_from(read_json(file)["configuration"], file)
 
 
 def _formats(text: str) -> list[str]:

@@ -11,6 +11,7 @@ from typing import Any
 from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
+from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
 from palpate.configuration.recording_sets import recording_sets
@@ -89,8 +90,8 @@ class Study:
         All loading conditions.
     condition_sets
         Names of the conditions that each calibration uses; ``all`` is always there.
-    recordings
-        Folder of each set of recordings.
+    recordings, evidence
+        Folder of each set of recordings, and what was measured of the material besides indentation.
     cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory, source
         Settings with their defaults filled in.
     source_tests
@@ -111,6 +112,7 @@ class Study:
     conditions: tuple[Condition, ...]
     condition_sets: Mapping[str, tuple[str, ...]]
     recordings: Mapping[str, Path]
+    evidence: tuple[EvidenceFile, ...]
     cells_per_job: int | None
     seed: int
     surrogate: Mapping[str, Any]
@@ -241,6 +243,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         conditions=conditions,
         condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
         recordings=recordings,
+        evidence=evidence_from(settings["evidence"], names),
         laboratory=laboratory,
         source=source,
         source_tests=tests,

@@ -13,6 +13,7 @@ from palpate.errors import InputError, PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
 from palpate.inference.discrepancy import LAW_ERROR
 from palpate.inference.estimates import (
+    bulk_predictions,
     condition_errors,
     estimates,
     intervals,
@@ -22,6 +23,7 @@ from palpate.inference.estimates import (
 )
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
+from palpate.inference.imprint_prediction import imprint_predictions
 from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.problem import Problem
 from palpate.inference.starting_places import scattered
@@ -135,6 +137,8 @@ def calibrate(
         converged=fit.converged,
         misfit_ratio=fit.misfit_ratio,
         discrepancy=law_discrepancy(fit),
+        uniaxial=bulk_predictions(fit, found),
+        imprint=imprint_predictions(fit, report),
         correlation=named_matrix(fit.coordinates, found.correlation),
         noise=noise_table(problem, fit.errors.noise),
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),

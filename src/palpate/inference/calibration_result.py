@@ -63,6 +63,10 @@ class CalibrationOutcome:
     discrepancy
         `share`, `lower` and `upper` of what the law leaves at its best parameters, as a share of the depth, 95 %
         interval; None where the law is taken to be exact.
+    uniaxial
+        For each uniaxial test of the bulk what `palpate.inference.bulk_prediction.predicted` returns.
+    imprint
+        For each imprint what `palpate.inference.imprint_prediction.imprint_predictions` returns.
     correlation
         Correlations of the free parameters, by name.
     noise
@@ -88,6 +92,8 @@ class CalibrationOutcome:
     converged: bool
     misfit_ratio: float
     discrepancy: Mapping[str, float] | None
+    uniaxial: Mapping[str, Mapping[str, Any]]
+    imprint: Mapping[str, Mapping[str, Any]]
     correlation: Mapping[str, Mapping[str, float]]
     noise: Mapping[str, Mapping[str, float]]
     evaluations: int

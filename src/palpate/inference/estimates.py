@@ -11,7 +11,7 @@ does not end at a limit of the law: an interval that fills most of the range say
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from palpate.data.measures import error_measures
 from palpate.data.noise import NoiseModel
 from palpate.data.observation import Observation
+from palpate.inference.bulk_prediction import predicted
 from palpate.inference.calibration_result import Estimate
 from palpate.inference.explanation import Fit
 from palpate.inference.posterior import posterior_draws
@@ -39,18 +40,21 @@ class Intervals:
         Ends of the intervals.
     correlation : ndarray, shape (k, k)
         Of the posterior.
+    draws : ndarray, shape (m, k)
+        From the posterior.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     correlation: np.ndarray
+    draws: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
 
 
 def intervals(fit: Fit) -> Intervals:
     """Return the intervals about a fit."""
     draws = posterior_draws(fit)
     lower, upper = np.quantile(draws, [0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2], axis=0)
-    return Intervals(np.minimum(lower, fit.z), np.maximum(upper, fit.z), np.atleast_2d(np.corrcoef(draws.T)))
+    return Intervals(np.minimum(lower, fit.z), np.maximum(upper, fit.z), np.atleast_2d(np.corrcoef(draws.T)), draws)
 
 
 def condition_errors(
@@ -103,6 +107,12 @@ def law_discrepancy(fit: Fit) -> dict[str, float] | None:
         return None
     share, lower, upper = fit.law_share([0.5, 0.5 - CONFIDENCE / 2, 0.5 + CONFIDENCE / 2])
     return {"share": float(share), "lower": float(lower), "upper": float(upper)}
+
+
+def bulk_predictions(fit: Fit, found: Intervals) -> dict[str, dict[str, Any]]:
+    """Return what a fit predicts of each uniaxial test, see `palpate.inference.bulk_prediction.predicted`."""
+    draws = [fit.coordinates.named(z) for z in found.draws] if fit.problem.bulk.tests else []
+    return predicted(fit.problem.bulk, fit.coordinates.named(fit.z), draws, CONFIDENCE)
 
 
 def named_matrix(coordinates: Coordinates, matrix: np.ndarray) -> dict[str, dict[str, float]]:

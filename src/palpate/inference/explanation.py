@@ -137,24 +137,31 @@ class Fit:
         return self.whiten(self.residual)
 
     def from_constraints(self, z: np.ndarray) -> np.ndarray:
-        """Return the departures (m,) [standard deviations] of the amplitudes at z (k,) from the constraints."""
-        return departures(self.constraints, self.model.amplitudes(z))
+        """Return the departures (m + b,) [standard deviations] at z (k,) from the constraints and uniaxial tests."""
+        from_laws = departures(self.constraints, self.model.amplitudes(z))
+        return np.append(from_laws, self.problem.bulk_departures(self.explanation, z))
 
     @property
     def constraint_misfits(self) -> np.ndarray:
         """What each constraint (m,) adds to -2 log likelihood, see `palpate.inference.amplitude_constraint`."""
-        return self.from_constraints(self.z) ** 2 + widenings(self.constraints, self.explanation)
+        own = departures(self.constraints, self.model.amplitudes(self.z))
+        return own**2 + widenings(self.constraints, self.explanation)
+
+    @cached_property
+    def bulk_misfit(self) -> float:
+        """Chi-square of the uniaxial tests that calibrate."""
+        return float(np.sum(self.problem.bulk_departures(self.explanation, self.z) ** 2))
 
     @cached_property
     def constraint_tangent(self) -> np.ndarray:
-        """Slope (m, k) of the departures from the constraints."""
+        """Slope (m + b, k) of the departures from the constraints and from uniaxial tests."""
         return central_slopes(self.from_constraints, self.z)
 
     @property
     def misfit(self) -> float:
-        """Chi-square of the mean curves, what the constraints add to it, and that of the prior outside the ranges."""
+        """Chi-square of curves and uniaxial tests, what constraints add, and that of the prior outside the ranges."""
         beyond = self.coordinates.beyond(self.z)
-        return float(self.white @ self.white + self.constraint_misfits.sum() + beyond @ beyond)
+        return float(self.white @ self.white + self.constraint_misfits.sum() + self.bulk_misfit + beyond @ beyond)
 
     @property
     def misfit_ratio(self) -> float:

@@ -315,7 +315,8 @@ class Fitter:
         covariance = weighed.covariance[np.ix_(kept, kept)]
 
         def from_constraints(z: np.ndarray) -> np.ndarray:
-            return departures(self.constraints, problem.amplitudes(explanation, z))
+            from_laws = departures(self.constraints, problem.amplitudes(explanation, z))
+            return np.append(from_laws, problem.bulk_departures(explanation, z))
 
         coordinates = problem.coordinates(explanation)
         return Misfit(problem.mean[kept], covariance, problem.stacked, coordinates, from_constraints)

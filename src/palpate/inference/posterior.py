@@ -19,12 +19,15 @@ weights are uneven, about draws of the round before (population Monte Carlo: O. 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import gammaln, logsumexp
 
+from palpate.inference.amplitude_constraint import departures
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.least_squares import central_slopes
 from palpate.inference.marginal import Marginal
 
 DRAWS = 1500
@@ -149,7 +152,10 @@ class _Density:
         likely = first.log_prior + first.log_densities(PRIOR_VARIANCE)
         counts = likely > likely.max() + np.log(NEGLIGIBLE)
         kept = Marginal(*(getattr(first, name)[counts] for name in Marginal.__dataclass_fields__))
-        return cls(curvature, flat.products[counts] / ratio, (flat.log_prior - flat.half_log_det)[counts], kept)
+        of_bulk = curvature.bulk.T @ curvature.bulk
+        return cls(
+            curvature, flat.products[counts] / ratio + of_bulk, (flat.log_prior - flat.half_log_det)[counts], kept
+        )
 
     def first_order(self) -> _Mixture:
         """Return the posterior at each size to first order, with wider tails, about places within the limits."""
@@ -175,7 +181,8 @@ class _Density:
             found[inside] = logsumexp(self.log_heights - 0.5 * squares, axis=1) - 0.5 * np.sum(beyond**2, axis=1)
             found[inside] += fit.coordinates.log_cauchy(points[inside])
             if fit.constraints:
-                found[inside] -= 0.5 * np.array([np.sum(fit.from_constraints(row) ** 2) for row in points[inside]])
+                off = (departures(fit.constraints, fit.model.amplitudes(row)) for row in points[inside])
+                found[inside] -= 0.5 * np.array([np.sum(each**2) for each in off])
         return found
 
 
@@ -197,12 +204,15 @@ class Curvature:
         Steps of one standard deviation along the axes.
     bends : ndarray, shape (m, n_all, k)
         By how much the slopes change over one such step [nm].
+    bulk : ndarray, shape (b, c)
+        What the departures of uniaxial tests are made of, in the proportions of `features` [standard deviations].
     """
 
     fit: Fit
     slopes: np.ndarray
     axes: np.ndarray
     bends: np.ndarray
+    bulk: np.ndarray
 
     @classmethod
     def of(cls, fit: Fit) -> Curvature:
@@ -216,12 +226,7 @@ class Curvature:
         found = [None if isinstance(each, str) else fit.problem.stacked(each[1]) for each in outcomes]
         here, simulated = fit.tangent if found[0] is None else found[0], iter(found[1:])
         there = [next(simulated) if inside else None for inside in within]
-        bends = []
-        for ahead, behind in zip(there[::2], there[1::2], strict=True):
-            changes = [ahead - here] if ahead is not None else []
-            changes += [here - behind] if behind is not None else []
-            bends.append(np.mean(changes, axis=0) if changes else np.zeros_like(here))
-        return cls(fit, here, axes, np.array(bends))
+        return cls(fit, here, axes, _bends(here, there), _bulk_columns(fit, ends, within))
 
     @property
     def columns(self) -> np.ndarray:
@@ -236,3 +241,29 @@ class Curvature:
         beside = off - 0.5 * within @ self.axes.T
         bent = [within[:, number, None] * beside for number in range(len(self.bends))]
         return np.column_stack([np.ones(len(z)), off, *bent])
+
+
+def _bends(here: np.ndarray, there: Sequence[np.ndarray | None]) -> np.ndarray:
+    """Return by how much slopes (n, k) change over a step along each axis (m, n, k), from those `here` and at the ends.
+
+    The ends lie ahead and behind on one axis after the other; None where there are no slopes.
+    """
+    bends = []
+    for ahead, behind in zip(there[::2], there[1::2], strict=True):
+        changes = [ahead - here] if ahead is not None else []
+        changes += [here - behind] if behind is not None else []
+        bends.append(np.mean(changes, axis=0) if changes else np.zeros_like(here))
+    return np.array(bends)
+
+
+def _bulk_columns(fit: Fit, ends: Sequence[np.ndarray], within: Sequence[bool]) -> np.ndarray:
+    """Return the departures of uniaxial tests at a fit, their slopes, and the bends of these (b, c)."""
+
+    def slopes(z: np.ndarray) -> np.ndarray:
+        return central_slopes(lambda u: fit.problem.bulk_departures(fit.explanation, u), z)
+
+    here = slopes(fit.z)
+    if not len(here):
+        return np.empty((0, 1 + (1 + len(ends) // 2) * len(fit.z)))
+    there = [slopes(end) if inside else None for end, inside in zip(ends, within, strict=True)]
+    return np.column_stack([fit.problem.bulk_departures(fit.explanation, fit.z), here, *_bends(here, there)])

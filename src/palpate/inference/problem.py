@@ -8,7 +8,7 @@ equivalent depths (`palpate.observables.observable`), so that noise, drift and m
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -18,13 +18,16 @@ from palpate.configuration.study_file import Condition, Study
 from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
+from palpate.inference.bulk_likelihood import BulkLikelihood
 from palpate.mechanisms import MECHANISMS, Scale
+from palpate.models.bulk_model import BulkModel
 from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.models.finite_elements import FiniteElements
 from palpate.models.forward import Curves, Forward
+from palpate.models.imprints import Imprint, imprints
 from palpate.observables.depth import DEPTH
 from palpate.solver.study_scale import scale_of
-from palpate.solver.variation import added_by_instrument
+from palpate.solver.variation import added_by_instrument, applied_to_body
 
 Explanation = tuple[str, ...]
 
@@ -48,6 +51,10 @@ class Problem:
     at : ndarray, shape (k,), optional
         Coordinates of the material at which effects on a load are taken, where a displacement is prescribed; by default
         the middle of the ranges.
+    bulk, bulk_likelihood
+        The law under uniaxial tests of the study, and the likelihood of those that calibrate.
+    imprints
+        Residual profiles that judge the law.
     """
 
     conditions: tuple[Condition, ...]
@@ -56,13 +63,19 @@ class Problem:
     scale: Scale
     sharp: bool = True
     at: np.ndarray | None = None
+    bulk: BulkModel = field(default_factory=BulkModel)
+    bulk_likelihood: BulkLikelihood = field(default_factory=BulkLikelihood)
+    imprints: tuple[Imprint, ...] = ()
 
     @classmethod
     def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
         """Put those conditions of a study together whose recordings have the role ``calibrate``."""
         conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
         forward = FiniteElements.of(study, [c.name for c in conditions])
-        return cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
+        bulk = BulkModel.of(study)
+        likelihood = BulkLikelihood.of(bulk, forward.coordinates, study.calibration["law_error"])
+        found = cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
+        return replace(found, bulk=bulk, bulk_likelihood=likelihood, imprints=tuple(imprints(study)))
 
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
         """Return the problem with each replicate brought to the load of its condition, with the material's `values`.
@@ -177,6 +190,19 @@ class Problem:
         smaller, rest = self.without(explanation, z, key)
         values, own = self.amplitudes(explanation, z)[key], self.coordinates((included,)).free[self.material :]
         return (*smaller, included), np.append(rest, [each.scaled(values[each.name.split(".")[1]]) for each in own])
+
+    def bulk_departures(self, explanation: Explanation, z: np.ndarray) -> np.ndarray:
+        """Return the departures (m,) [standard deviations] of the uniaxial tests that calibrate, at coordinates z (k,).
+
+        A mechanism that changes the law, such as a second Voigt element, changes it there as well.
+        """
+        if not self.bulk_likelihood.tests:
+            return np.empty(0)
+        if not explanation:
+            values = {**self.bulk.fixed, **self.forward.coordinates.named(z)}
+            return self.bulk_likelihood.departures(self.bulk.model, values)
+        body = applied_to_body(self.model(explanation).specification(z, self.conditions[0]))
+        return self.bulk_likelihood.departures(body.model, body.parameters)
 
     def amplitudes(self, explanation: Explanation, z: np.ndarray) -> dict[str, dict[str, float]]:
         """Return the parameters of each mechanism at coordinates z (k,)."""

@@ -126,6 +126,7 @@ class NotebookStudy(Shown, Study):
             f"study: {self.file}",
             f"{len(self.cells)} materials to simulate under each condition of the calibration",
             f"recordings: {sets}",
+            *(f"{each.kind} {each.name}, role: {each.role}" for each in self.evidence),
             *self.remarks,
         ]
 

@@ -12,12 +12,14 @@ import numpy as np
 
 from indentation_files.recording import Recording
 from palpate.configuration.study_file import Study
+from palpate.data.bulk_tests import bulk_tests
 from palpate.data.measures import check_measurable
 from palpate.data.observation import Observation
 from palpate.data.study_recordings import Look, check_given, resampled, written_by_workflow
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
+from palpate.models.imprints import imprints
 from palpate.solver.variation import applied_to_body
 from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.study.indenter import check_cone
@@ -47,6 +49,8 @@ def checked(study: Study, look: Look | None = None) -> Study:
         _check_folders(study)
         _check_laboratory(study)
         check_calibration(study)
+        list(bulk_tests(study))
+        list(imprints(study))
         if study.diagnosis["enabled"]:
             check_diagnosis(study)
         for recorded in check_given(study, look):
@@ -136,6 +140,7 @@ def _check_braces(study: Study) -> None:
     """Refuse paths of rules that Snakemake would take for patterns; raises `InputError`."""
     written = [name for name in study.recordings if written_by_workflow(study, name)]
     paths = {f"recordings.{name}": str(study.recordings[name]) for name in written}
+    paths |= {f"evidence[{k}].file": str(each.file) for k, each in enumerate(study.evidence)}
     for place, path in (paths | ({"source.file": str(study.source["file"])} if study.source else {})).items():
         if "{" in path or "}" in path:
             raise InputError(f"{path} has braces, which are wildcards of Snakemake", remedy="rename it", place=place)

@@ -47,6 +47,7 @@ def files(study: Study, folder: Path) -> Iterator[Path]:
         yield from with_stiffness(Path(study.source["file"]))
     yield folder / "snapshots.csv"
     yield from recordings(study)
+    yield from (evidence.file for evidence in study.evidence)
     for name in study.recordings:
         yield folder / name / "calibration.json"
         yield from (folder / name / "calibrations" / f"{condition_set}.json" for condition_set in study.condition_sets)

@@ -17,6 +17,8 @@ log_evidence, probability of an explanation; in a run of recordings that of the 
 p_value                   of the base model
 inclusion.MECHANISM       probability that it acts; family_inclusion.FAMILY that any of its family does
 nothing_further           probability that nothing further acts
+uniaxial.TEST.rmse_GPa    root mean square error of a test of the bulk, or rmse_strain; percent_error, within_band
+imprint.NAME.rmse_nm      root mean square error of a residual profile, and percent_error of its depth
 discrepancy               standard deviation of the law's discrepancy, as a share of the depth
 ========================  ==============================================================================================
 """
@@ -34,6 +36,8 @@ from typing import Any
 
 from palpate.inference.calibration_result import rmse
 from palpate.observables import UNITS
+from palpate.output.results.bulk_errors import bulk_metrics
+from palpate.output.results.imprint_errors import imprint_metrics
 from palpate.workflow_support.manifest import git_commit
 from palpate.workflow_support.result_files import write_json
 
@@ -118,6 +122,8 @@ def calibration_metrics(content: Mapping[str, Any]) -> dict[str, float]:
     """Return estimates, errors of the base model by role, misfit and convergence, from the content of a calibration."""
     found = {name: entry["estimate"] for name, entry in content["parameters"].items()} | errors_of_base(content)
     found |= {"chi2_per_dof": content["misfit_ratio"], "converged": float(content["converged"])}
+    found |= bulk_metrics(content.get("uniaxial") or {})
+    found |= imprint_metrics(content.get("imprint") or {})
     best = [row["best_sum"] for row in content["history"]]
     return found | ({"search_best": min(best)} if best else {})
 

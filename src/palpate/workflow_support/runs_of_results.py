@@ -12,9 +12,12 @@ from typing import Any
 from palpate.configuration.study_file import Study
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS
-from palpate.output.results.answer import Answer, tip_in_words
+from palpate.output.results.answer import Answer
+from palpate.output.results.bulk_errors import bulk_metrics
 from palpate.output.results.calibration import Calibration
+from palpate.output.results.imprint_errors import imprint_metrics
 from palpate.output.saved_set import SavedSet, labels
+from palpate.output.tip_words import tip_in_words
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.result_files import checksum
 from palpate.workflow_support.run_records import (
@@ -119,6 +122,7 @@ def _of_set(found: Answer, folder: Path) -> Run:
     metrics |= {"chi2_per_dof": found.calibration.content["misfit_ratio"]} | _worst(saved)
     if saved.accepted:
         metrics |= {"probability": saved.accepted[0]["probability"], "log_evidence": saved.accepted[0]["log_evidence"]}
+    metrics |= bulk_metrics(found.calibration.uniaxial) | imprint_metrics(found.calibration.imprint)
     if found.discrepancy:
         metrics["discrepancy"] = found.discrepancy["share"]
     with_set = f"{saved.name}: " if len(study.recordings) > 1 else ""

@@ -13,6 +13,7 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS
 from palpate.output.figures import curve_panels, curves, residuals
 from palpate.output.html_report import paragraph, table
+from palpate.output.report import further_evidence_sections
 from palpate.output.results.answer import Answer
 from palpate.output.results.diagnosis import quantity_in_words, titles_of
 
@@ -61,6 +62,8 @@ def sections(found: Answer, picture: Picture) -> list[tuple[str, list[str]]]:
         every.append(("Explanations", _explanations(found, picture)))
         every.append(("Identifiability", _identifiability(found)))
         every.append(("What the recordings show without a model", _exact(found)))
+    every.append(("Uniaxial tests of the bulk", further_evidence_sections.uniaxial(found, picture)))
+    every.append(("Imprints", further_evidence_sections.imprint(found, picture)))
     every.append(("Calibration sets", _calibrations(found, picture)))
     return [(heading, pieces) for heading, pieces in every if pieces]
 

@@ -11,21 +11,16 @@ from palpate.base.rounding import interval_with_unit, percent, rounded
 from palpate.inference.calibration_result import rmse
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS
+from palpate.output.results.bulk_errors import bulk_facts, without_curves
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis, effect_sentence, quantity_in_words
+from palpate.output.results.imprint_errors import imprint_facts
 from palpate.output.saved_set import SavedSet
-from palpate.study.indenter import Indenter
+from palpate.output.tip_words import tip_in_words
 
 SETTLED = 0.95  # probability from which nothing further is open
 MOST_FACTS = 2  # that the first screen names
 WITHIN = {True: "within the tolerance of", False: "beyond the tolerance of", "undecided": "undecided, the tolerance is"}
-SHAPES = {
-    "cone": "cone",
-    "sphere": "sphere",
-    "sphero_cone": "rounded cone",
-    "berkovich": "Berkovich pyramid",
-    "area_function": "tip of a measured area function",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +163,10 @@ class Answer:
             rows.append(("Without a model", _without_model(facts)))
         if (found := self.discrepancy) is not None:
             rows.append(("Discrepancy of the law", self._discrepancy(found)))
+        if tests := self.calibration.uniaxial:
+            rows.append(("Uniaxial tests of the bulk", bulk_facts(tests)))
+        if profiles := self.calibration.imprint:
+            rows.append(("Imprints", imprint_facts(profiles)))
         if (further := self.nothing_further) is not None:
             rows.append(("Nothing further acts", _further(further)))
         if (test := self.next_test) is not None:
@@ -241,6 +240,8 @@ class Answer:
             f"verdict     {self.headline}" + (f": {effects}" if effects else ""),
             f"parameters  {values}",
             f"error       {self._tests_of_error}: {self._error}",
+            *([f"bulk        {bulk_facts(tests)}"] if (tests := self.calibration.uniaxial) else []),
+            *([f"imprints    {imprint_facts(profiles)}"] if (profiles := self.calibration.imprint) else []),
         ]
 
     def to_mapping(self) -> dict[str, Any]:
@@ -260,6 +261,8 @@ class Answer:
             "discrepancy": self.discrepancy,
             "nothing_further": self.nothing_further,
             "next_test": self.next_test,
+            "uniaxial": without_curves(self.calibration.uniaxial),
+            "imprint": without_curves(self.calibration.imprint),
             "sentence": self.sentence,
             "lines": self.lines(),
         }
@@ -283,17 +286,3 @@ def _further(found: Mapping[str, Any]) -> str:
 
 def _fact(found: Mapping[str, Any]) -> str:
     return f"{found['fact'].replace('_', ' ')} {interval_with_unit(found)}"
-
-
-def tip_in_words(tip: Indenter) -> str:
-    """Return an indenter in words, with angle and radius where it has them, and friction and stiffness where stated."""
-    facts = [SHAPES[tip.shape]]
-    if tip.half_angle:
-        facts.append(f"half-angle {tip.half_angle:g}°")
-    if tip.radius:
-        facts.append(f"radius {tip.radius:g} nm")
-    if tip.friction:
-        facts.append(f"friction {tip.friction:g}")
-    if tip.compliance:
-        facts.append(f"modulus {tip.modulus:g} GPa")
-    return ", ".join(facts)

@@ -15,10 +15,14 @@ from indentation_files.recording import Recording
 from palpate.base.parameters import in_words
 from palpate.base.rounding import interval_of, rounded
 from palpate.configuration.study_file import Study
+from palpate.errors import InputError
 from palpate.inference.calibration_result import MOST_MISFIT
 from palpate.observables import OBSERVABLES, UNITS
 from palpate.output.figures import curves as curves_figure
+from palpate.output.figures import uniaxial_curves
 from palpate.output.figures.curve_panels import of_fit
+from palpate.output.results.bulk_errors import bulk_sentences, bulk_table
+from palpate.output.results.imprint_errors import imprint_sentences, imprint_table
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 
@@ -75,6 +79,18 @@ class Calibration(Shown):
     def discrepancy(self) -> Mapping[str, float] | None:
         """Standard deviation of the law's discrepancy as a share of the depth, with its interval; None if unknown."""
         return self.content.get("discrepancy")
+
+    @property
+    def uniaxial(self) -> Mapping[str, Mapping[str, Any]]:
+        """Errors, and the predicted curve with its 95 % band, of each uniaxial test of the bulk by its name."""
+        found: Mapping[str, Mapping[str, Any]] = self.content.get("uniaxial") or {}
+        return found
+
+    @property
+    def imprint(self) -> Mapping[str, Mapping[str, Any]]:
+        """Errors, and the predicted residual profile, of each imprint by its name."""
+        found: Mapping[str, Mapping[str, Any]] = self.content.get("imprint") or {}
+        return found
 
     @property
     def errors(self) -> pd.DataFrame:
@@ -148,12 +164,12 @@ class Calibration(Shown):
         return "" if self.content["converged"] else f"The search has not converged: {remedy}."
 
     def sentences(self) -> list[str]:
-        """Return errors, misfit, estimates outside their range, and convergence in words."""
+        """Return errors, misfit, estimates outside their range, convergence, uniaxial tests and imprints in words."""
         every = (self.error_sentence(), self.misfit_sentence(), self.bound_sentence(), self.convergence_sentence())
-        return [text for text in every if text]
+        return [text for text in (*every, *bulk_sentences(self.uniaxial), *imprint_sentences(self.imprint)) if text]
 
     def tables(self) -> list[pd.DataFrame]:
-        """Return the parameters with their intervals, and the errors of the conditions."""
+        """Return the parameters with their intervals, and the errors of conditions, uniaxial tests and imprints."""
         rows = (
             {
                 "parameter": in_words(name),
@@ -163,7 +179,8 @@ class Calibration(Shown):
             }
             for name, entry in self.parameters.items()
         )
-        return [pd.DataFrame(rows), self.errors]
+        further = (bulk_table(self.uniaxial), imprint_table(self.imprint))
+        return [pd.DataFrame(rows), self.errors, *(each for each in further if len(each))]
 
     def plot(self, ax: Axes | None = None) -> Axes | np.ndarray:
         """Draw recorded and simulated curves.
@@ -184,6 +201,19 @@ class Calibration(Shown):
             curves_figure.together(axes_for(ax), frame)
             return ax
         return composed(curves_figure.draw, frame)
+
+    def plot_uniaxial(self) -> np.ndarray:
+        """Draw the uniaxial tests with the law's prediction and its band, and return the axes (n,).
+
+        Raises
+        ------
+        InputError
+            When the study has none.
+        """
+        if not self.uniaxial:
+            remedy = "add evidence: [{kind: uniaxial, file: ..}] to the study"
+            raise InputError("the study has no uniaxial test", remedy=remedy, place="evidence")
+        return composed(uniaxial_curves.draw, uniaxial_curves.curves_of(self.uniaxial))
 
     def __repr__(self) -> str:
         known = [entry for entry in self.parameters.values() if not entry["held"]]
