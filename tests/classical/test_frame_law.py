@@ -3,18 +3,10 @@
 import numpy as np
 import pytest
 from contact_curves import autoregressive
+from load_cycles import cycles
 
 from indentation_files.segments import segments
 from palpate.classical.frame import frame_by_oscillation, frame_compliance, frame_of, hodges_lehmann
-
-PEAKS = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
-
-
-def cycles(peaks=PEAKS, points=60):
-    """Load and unload to a tenth, higher each time; returns time and load."""
-    corners = np.concatenate([[0.0], np.ravel([[peak, 0.1 * peak] for peak in peaks])])
-    time = np.linspace(0.0, len(corners) - 1.0, points * (len(corners) - 1) + 1)
-    return time, np.interp(time, np.arange(len(corners)), corners)
 
 
 @pytest.mark.parametrize("compliance", [0.0, 0.9, -0.5])

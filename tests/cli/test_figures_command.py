@@ -22,7 +22,7 @@ def test_bad_input_is_one_line(arguments, words, refused, tmp_path, monkeypatch)
 
 
 def test_missing_results_are_named_with_the_remedy(refused, tmp_path, monkeypatch):
-    from test_config import load
+    from study_file import load
 
     monkeypatch.chdir(tmp_path)
     load(tmp_path)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 from documents import HOOKS
+from study_file import CONDITION, STUDY, TRUTH, load
 
 import palpate
 from indentation_files.recording_file import read_recording
@@ -19,33 +20,11 @@ from palpate.materials import LAWS
 from palpate.study.indenter import AREA, SHAPES
 from palpate.surrogate import KERNELS
 
-STUDY = {
-    "study": "s",
-    "material": {"model": "nonlinear_burgers", "poisson_ratio": 0.34},
-    "parameters": {
-        "youngs_modulus": [3.0, 3.5],
-        "steady_coefficient": [0.05, 0.1],
-        "steady_exponent": [0.2],
-        "transient_coefficient": [0.24],
-        "transient_exponent": [0.4],
-        "retardation_time": [0.25],
-    },
-    "indenter": {"shape": "cone", "half_angle": 70.3},
-    "conditions": [{"name": "P1_T30", "max_load": 1.0, "loading_time": 30, "unloading_time": 30}],
-}
-TRUTH = {name: levels[0] for name, levels in STUDY["parameters"].items()}
 SCHEMA = json.loads((Path(palpate.__file__).parent / "configuration/study.schema.json").read_text())
 REFERENCE = (Path(__file__).parents[2] / "docs/study.md").read_text()
-CONDITION = STUDY["conditions"][0]
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
 SILICA = {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [24.5], "uncertainty": 0.02}
-
-
-def load(folder, **changes):
-    file = folder / "study.yaml"
-    file.write_text(yaml.safe_dump(STUDY | changes, sort_keys=False))
-    return load_study(file)
 
 
 def test_a_length_is_taken_with_the_kernels_that_it_changes(tmp_path):

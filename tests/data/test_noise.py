@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, problem, recordings, search_of
+from diagnosis_problem import CONDITIONS, problem, recordings, search_of
 
 from palpate.data.noise import NoiseModel
 from palpate.inference.amplitude import Amplitude

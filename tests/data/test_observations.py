@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_config import CONDITION, TRUTH, load
+from study_file import CONDITION, TRUTH, load
 
 from indentation_files.recording import Recording
 from indentation_files.recording_file import read_recording

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import ClosedForms
-from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
+from diagnosis_problem import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
 from palpate.data.noise import LARGEST_UNREPLICATED_AUTOCORRELATION
 from palpate.diagnosis.detect import examine, filters, log_p, monte_carlo_p, simulated_noise

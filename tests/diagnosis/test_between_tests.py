@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnosis_problem import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 from scipy.stats import f_oneway
-from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings
 
 from palpate.diagnosis.between_tests import p_between_tests, p_of_means
 from palpate.diagnosis.detect import examine

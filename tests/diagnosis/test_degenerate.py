@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
+from diagnosis_problem import RECORD_ONLY, fitted, problem, recordings
 
 from palpate.configuration.study_file import study_from
 from palpate.data.observation import Observation

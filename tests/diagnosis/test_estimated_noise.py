@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from diagnosis_problem import RECORD_ONLY, fitted, problem, recordings
 from scipy.linalg import cholesky, solve_triangular
 from scipy.special import expit, logit
 from scipy.stats import t as student
-from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
 
 from palpate.data.noise import NoiseModel
 from palpate.diagnosis.estimated_noise import adjusted, freedom

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_drift_bound import held_low
-from test_laws import cycles
+from creep_holds import held_low
+from load_cycles import cycles
 
 from indentation_files.recording import Recording
 from palpate.configuration.study_file import Condition

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import RECORD_ONLY, SCALE, fitted, problem, recordings
+from diagnosis_problem import RECORD_ONLY, SCALE, fitted, problem, recordings
 
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.undetected import joint_intervals

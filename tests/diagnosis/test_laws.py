@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from test_diagnosis import fitted, problem, recordings
-from test_frame_law import cycles
+from diagnosis_problem import fitted, problem, recordings
+from load_cycles import cycles
 
 from indentation_files.recording import Recording
 from palpate.diagnosis.constraints import contradicted, laws_of, zero_points

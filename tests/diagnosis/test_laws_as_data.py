@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import TRUTH
+from diagnosis_problem import RECORD_ONLY, STUDY, problem, recordings
 from scipy.integrate import quad
 from scipy.stats import norm
-from test_diagnosis import RECORD_ONLY, STUDY, problem, recordings
 
 from palpate.classical.reference_sample import NORMAL_95
 from palpate.diagnosis import undetected

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_diagnosis import fitted, problem, recordings
+from diagnosis_problem import fitted, problem, recordings
 
 from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.inference.covariance import discrepancy_of

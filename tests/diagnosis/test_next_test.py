@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_diagnosis import RECORD_ONLY, fitted, problem, recordings
+from diagnosis_problem import RECORD_ONLY, fitted, problem, recordings
 
 from palpate.configuration.study_file import load_study
 from palpate.diagnosis.next_test import Account, error_of_means, feasible, of_test

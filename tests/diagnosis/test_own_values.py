@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms, cone
-from test_diagnosis import CONDITIONS, fitted, recordings
-from test_diagnosis import problem as task
+from diagnosis_problem import CONDITIONS, fitted, recordings
+from diagnosis_problem import problem as task
 
 from palpate.configuration.study_file import Condition
 from palpate.data.noise import NoiseModel

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_forms import TRUTH, ClosedForms
-from test_diagnosis import CONDITIONS, fitted, problem, recordings
+from diagnosis_problem import CONDITIONS, fitted, problem, recordings
 
 from palpate.configuration.study_file import load_study
 from palpate.diagnosis.candidates import candidates

@@ -9,7 +9,7 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from closed_forms import MATERIAL
-from test_diagnosis import problem, recordings, search_of
+from diagnosis_problem import problem, recordings, search_of
 
 from palpate.diagnosis.diagnose import _explore
 from palpate.diagnosis.explanations import (

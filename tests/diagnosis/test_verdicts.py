@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from closed_forms import TRUTH, ClosedForms, rounded
-from test_diagnosis import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
+from diagnosis_problem import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 from test_search import named
 
 from palpate.diagnosis.accepted import zero_on_average

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from test_laws_of_flow import ALONE
+from elastic_tests import MODULUS, elastic
+from law_examples import ALONE
 
 from indentation_files.recording import Recording
 from indentation_files.recording_file import read_recording
-from palpate.analytic import sneddon
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.draft import first_study
@@ -26,18 +26,7 @@ from palpate.study.indenter import Indenter
 from palpate.study.protocol import trapezoid
 from palpate.study.specification import Specification
 
-MODULUS = 3.0
 CONE = Indenter("cone", half_angle=70.3)
-
-
-def elastic(load, loading, hold=0.0, name="test", noise=0.0, history=None):
-    """Return a test on an elastic half-space under a Berkovich tip's equivalent cone (Sneddon)."""
-    protocol = history or trapezoid(load, loading, hold, loading, points=400)
-    time = np.append(0.0, protocol.sample_time)
-    force = np.append(0.0, protocol.sample_load)
-    depth = sneddon.depth(force, MODULUS, 0.35, 70.3)
-    force = force + noise * load * np.random.default_rng(len(name)).standard_normal(len(force)) * (force > 0)
-    return Recording(time, np.maximum(force, 0.0), depth, name=name)
 
 
 def test_tests_of_one_load_history_are_one_condition():

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_draft import MODULUS, elastic
+from elastic_tests import MODULUS, elastic
 
 from indentation_files.pop_in import pop_ins
 from indentation_files.recording import Recording

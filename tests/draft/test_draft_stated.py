@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
-from test_readers import XP, needs_recordings
+from public_files import XP, needs_recordings
 
 from indentation_files.readers import read_vendor_file
 from palpate.cli.main import main

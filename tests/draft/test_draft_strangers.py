@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from test_draft import elastic
-from test_readers import ANON, HLD, XP, needs_recordings
+from elastic_tests import elastic
+from public_files import ANON, HLD, XP, needs_recordings
 
 from indentation_files.recording_file import read_recording
 from palpate.cli.main import main

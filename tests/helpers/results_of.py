@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from test_config import load
+from study_file import load
 
 from indentation_files.recording import SYNTHETIC, Recording
 from palpate.output.saved_set import SavedSet

@@ -14,7 +14,7 @@ from unittest.mock import patch
 
 import numpy as np
 from closed_forms import TRUTH, cone
-from test_diagnosis import STUDY, problem, recordings
+from diagnosis_problem import STUDY, problem, recordings
 
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.policy import SearchPolicy

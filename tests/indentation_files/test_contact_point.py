@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from contact_curves import autoregressive
+from public_files import KLA, XP, needs_recordings
 from scipy.ndimage import median_filter
-from test_readers import KLA, XP, needs_recordings
 
 from indentation_files.contact_point import first_touch, loading, touch_at
 from indentation_files.readers import read_vendor_file

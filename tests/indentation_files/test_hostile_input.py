@@ -238,7 +238,7 @@ def test_nothing_in_a_study_is_executed(tmp_path):
 
 @pytest.mark.faults(before="passed palpate check, stopped Snakemake")
 def test_braces_in_a_title_are_a_title(tmp_path):
-    from test_workflow import TINY, copied, planned
+    from tiny_study import TINY, copied, planned
 
     study = TINY | {"title": "A {title} with {braces"}
     assert "report" in planned(copied(tmp_path), study=study)
@@ -247,7 +247,7 @@ def test_braces_in_a_title_are_a_title(tmp_path):
 
 @pytest.mark.faults(before="passed palpate check, stopped Snakemake")
 def test_a_set_of_conditions_may_be_called_like_another_with_an_ending(tmp_path):
-    from test_workflow import TINY, copied, planned
+    from tiny_study import TINY, copied, planned
 
     study = TINY | {"condition_sets": {"all.small": ["T030"], "T030": ["T030"]}}
     assert {"calibration", "calibration_on_all"} <= set(planned(copied(tmp_path), study=study))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_readers_workbooks import kla
+from keysight_sheets import kla
 from workbooks import write_workbook
 
 from indentation_files.readers import ColumnMap, read_vendor_file

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from contact_curves import autoregressive
-from test_readers import HLD, KLA, LONG, XP, needs_recordings
+from public_files import HLD, KLA, LONG, XP, needs_recordings
 
 from indentation_files.drift_rate import drift_rate, measured_in
 from indentation_files.readers import read_vendor_file

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnosis_problem import fitted, problem, recordings
 from scipy.special import logsumexp
 from scipy.stats import cauchy
-from test_diagnosis import fitted, problem, recordings
 
 from palpate.inference.marginal import Marginal, Modes
 from palpate.mechanisms import MECHANISMS, Scale

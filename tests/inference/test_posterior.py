@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from closed_forms import ClosedForms
-from test_diagnosis import CONDITIONS, SCALE, fitted, problem, recordings
+from diagnosis_problem import CONDITIONS, SCALE, fitted, problem, recordings
 
 from palpate.inference.covariance import errors, noise_of
 from palpate.inference.explanation import Fit

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from homogeneous import error, updated
+from law_examples import ALONE, BACKED, HOOKE, values
 from numba import njit
 from scipy.optimize import brentq
 
@@ -15,16 +16,9 @@ from palpate.materials.flow.radial import NOTHING, TOLERANCE, compliance, solve_
 from palpate.materials.flow.row import SHARE, SHEAR, SPLIT, STIFFENING, in_series, step_weights
 from palpate.solver.axisymmetric.lanes import LANES, load, splat, store
 
-HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
 JOINED = [f"{key}+nonlinear_burgers" for key in LAWS if "burgers" not in key and key != "elastic"]
-ALONE = [key for key in LAWS if key != "kinematic_hardening"]
-BACKED = ["bilinear_plasticity+kinematic_hardening", "hardening_eyring+kinematic_hardening+retardation_spectrum"]
 MODELS = [*ALONE, *JOINED, *BACKED, "eyring+retardation_spectrum+voce_plasticity"]
 PRESSED = [model for model in MODELS if "eyring" in model or "drucker" in model]
-
-
-def values(model):
-    return HOOKE | {name: value for key in model.split("+") for name, value in LAWS[key].example.items()}
 
 
 def row_and_weights(model, dt=0.6, resistance=1.0):
@@ -50,8 +44,8 @@ def test_every_law_has_an_example_and_guesses_of_what_it_requires(key):
     for soft in (False, True):
         guessed = law.guess(Glimpse(3.0, 0.2, 20.0, soft))
         assert required <= guessed.keys()
-        for name, (values, why) in guessed.items():
-            assert values == tuple(sorted(values)) and why, name
+        for name, (guess, why) in guessed.items():
+            assert guess == tuple(sorted(guess)) and why, name
 
 
 @pytest.mark.filterwarnings("error")

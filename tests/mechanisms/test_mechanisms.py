@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from diagnosis_problem import problem, recordings, search_of
 from documents import HOOKS
-from test_diagnosis import problem, recordings, search_of
 
 from palpate.diagnosis.diagnose import diagnose
 from palpate.errors import InputError

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, fitted, problem, recordings
+from diagnosis_problem import CONDITIONS, fitted, problem, recordings
 
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.own_values import recording_values

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from test_diagnosis import CONDITIONS, RECORD_ONLY, problem, recordings, search_of
+from diagnosis_problem import CONDITIONS, RECORD_ONLY, problem, recordings, search_of
 
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.own_values import recording_values

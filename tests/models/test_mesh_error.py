@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 from closed_forms import ClosedForms
-from test_diagnosis import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
+from diagnosis_problem import CONDITIONS, RECORD_ONLY, fitted, problem, recordings, search_of
 
 from palpate.configuration.study_file import load_study
 from palpate.inference.covariance import REFINED, errors, noise_of

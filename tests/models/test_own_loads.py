@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import yaml
-from test_draft import MODULUS, elastic
+from elastic_tests import MODULUS, elastic
 
 from palpate.analytic import sneddon
 from palpate.configuration.study_file import load_study

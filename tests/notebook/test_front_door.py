@@ -10,11 +10,11 @@ import matplotlib
 import numpy as np
 import pytest
 import yaml
+from elastic_study import CONE, MATERIAL, PROTOCOL, SETTINGS, measured
 from matplotlib.axes import Axes
-from test_readers import ANON, LONG, needs_recordings
+from public_files import ANON, LONG, needs_recordings
 
 import palpate
-from indentation_files.recording import Recording
 from palpate import Study, calibrate, diagnose, read_recording, read_recordings, simulate
 from palpate.base.fingerprint import closure
 from palpate.cli.main import main
@@ -23,31 +23,11 @@ from palpate.laboratory import virtual
 from palpate.notebook.study_tests import given_tests
 
 REPOSITORY = Path(__file__).parents[2]
-MATERIAL = {"model": "elastic", "youngs_modulus": 3.0, "poisson_ratio": 0.35}
-CONE = {"shape": "cone", "half_angle": 70.3}
-PROTOCOL = {"max_load": 2.0, "loading_time": 20, "hold_time": 10, "unloading_time": 20}
 COMPLIANCE = 60.0
-SETTINGS = {
-    "study": "small",
-    "points": 20,
-    "material": {"model": "elastic", "poisson_ratio": 0.35},
-    "parameters": {"youngs_modulus": [2.0, 2.7, 3.3, 4.0]},
-    "indenter": CONE,
-    "conditions": [{"name": "A", **PROTOCOL}],
-    "calibration": {"population": 20, "generations": 5, "subpopulations": 2},
-    "diagnosis": {"mechanisms": ["frame_compliance"], "bootstrap": 300},
-}
 LABORATORY = {
     "parameters": {"youngs_modulus": 3.0}, "replicates": 1, "noise_nm": 0.3, "noise_time": 1.0, "site_scatter": 0.01,
     "seed": 4,
 }  # fmt: skip
-
-
-def measured(compliance=0.0, name="test", seed=1):
-    """Return a recording of an elastic body, with noise of 0.3 nm and the frame's deflection."""
-    curve = simulate(material=MATERIAL, indenter=CONE, protocol=PROTOCOL | {"points": 60})
-    noise = 0.3 * np.random.default_rng(seed).standard_normal(len(curve.time))
-    return Recording(curve.time, curve.load, curve.depth + noise + compliance * curve.load, name=name)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_front_door import CONE, MATERIAL, PROTOCOL, SETTINGS, measured
+from elastic_study import CONE, MATERIAL, PROTOCOL, SETTINGS, measured
 
 from palpate import Study, calibrate, diagnose, read_recording, read_recordings, simulate
 from palpate.errors import InputError, PalpateError

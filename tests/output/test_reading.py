@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from test_readers import ANON, needs_recordings
+from public_files import ANON, needs_recordings
 
 from indentation_files.readers import locate, read_source, read_vendor_file
 from indentation_files.recording import Recording

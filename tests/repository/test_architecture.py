@@ -163,6 +163,16 @@ def test_what_is_large_says_why():
     assert [name for name, f in functions() if len(arguments(f)) > ARGUMENTS] == []
 
 
+def test_tests_mirror_the_packages():
+    """Each file of tests lies in a folder of its package; what two folders share is a helper."""
+    folders = {"helpers", "repository", "studies", "workflow", *ROOMS, "indentation_files"}
+    for file in (REPOSITORY / "tests").rglob("*.py"):
+        place = file.relative_to(REPOSITORY / "tests").parts[0]
+        assert place in folders or place == "conftest.py", file
+        shared = [name for name in imports(file) if name.startswith("test_")]
+        assert [name for name in shared if not file.with_name(f"{name.split('.')[0]}.py").is_file()] == [], file
+
+
 def test_scripts_are_thin():
     for script in [*REPOSITORY.glob("scripts/*.py"), *REPOSITORY.glob("studies/*/scripts/*.py")]:
         assert len(script.read_text().splitlines()) <= 35, script.name

@@ -17,9 +17,9 @@ import matplotlib
 import numpy as np
 import pytest
 import yaml
+from anton_paar_text import single
 from documents import DOCS
-from test_front_door import CONE, MATERIAL, PROTOCOL, SETTINGS
-from test_readers_anton_paar import single
+from elastic_study import CONE, MATERIAL, PROTOCOL, SETTINGS
 
 import palpate
 from palpate.cli.main import main

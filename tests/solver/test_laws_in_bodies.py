@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kernels import hexahedron_at_large_strains, linear_hexahedron
-from test_laws_of_flow import BACKED, values
+from law_examples import BACKED, values
 from under_a_cone import depths, specification
 
 from palpate.materials import law_of

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from public_files import ANON, BRUKER, HLD, KLA, LONG, RECORDINGS, STEEL, XP, needs_recordings
 
 from indentation_files.readers import READERS, ColumnMap, read_vendor_file, select
 from indentation_files.readers.source import Source
@@ -15,17 +16,6 @@ from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
 from palpate.errors import InputError
 
-RECORDINGS = Path(__file__).parents[4] / "shared/recordings"
-needs_recordings = pytest.mark.skipif(
-    not RECORDINGS.is_dir(), reason="the public recordings are not part of the repository (folder shared/recordings)"
-)
-ANON = RECORDINGS / "indentationTools.jl/anonNI.TXT"
-LONG = RECORDINGS / "gukin94/HT_V_300mN.TXT"
-XP = RECORDINGS / "micromechanics/FS_XP.xls"
-KLA = RECORDINGS / "micromechanics_indentationGUI/FusedSilica.xlsx"
-STEEL = RECORDINGS / "micromechanics/RobinSteel0000LC.txt"
-HLD = RECORDINGS / "micromechanics/Exp-50mN_0000.hld"
-BRUKER = RECORDINGS / "merrypopins/grain1_6um_indent01_HL_QS_LC.txt"
 RAW, DRIFT, BOTH = frozenset(), frozenset({"drift"}), frozenset({"drift", "frame"})
 
 

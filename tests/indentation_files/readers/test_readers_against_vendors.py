@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from public_files import RECORDINGS, needs_recordings
 from python_calamine import load_workbook
-from test_readers import RECORDINGS, needs_recordings
 
 from indentation_files.readers import read_vendor_file
 from indentation_files.readers.numbers_in_text import number

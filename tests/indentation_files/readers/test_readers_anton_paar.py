@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from test_readers import ANON, needs_recordings
+from anton_paar_text import single
+from public_files import ANON, needs_recordings
 from workbooks import write_workbook
 
 from indentation_files.readers import read_each, read_vendor_file, select
@@ -37,11 +38,6 @@ def write(tmp_path, text, encoding="utf-8"):
     file = tmp_path / "x.TXT"
     file.write_bytes(text.encode(encoding))
     return file
-
-
-def single(values):
-    head = ["", "", "Indentation", "", "   EIT=\t2,5 GPa", "Time (s)\tPd (nm)\tFn (mN)"]
-    return "\n".join([*head, *("\t".join(f"{x:.6f}".replace(".", ",") for x in row) for row in values[:, [0, 3, 1]])])
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])

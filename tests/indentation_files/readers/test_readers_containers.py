@@ -5,7 +5,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from test_readers import RECORDINGS, needs_recordings
+from public_files import RECORDINGS, needs_recordings
 
 from indentation_files.readers import ColumnMap, read_each, read_vendor_file
 from indentation_files.readers.igor import is_wave, sampling

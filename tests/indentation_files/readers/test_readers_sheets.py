@@ -4,7 +4,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from test_readers_workbooks import DEPTH, LOAD, TIME, kla, run, xp
+from keysight_sheets import DEPTH, LOAD, TIME, kla, run, xp
 from workbooks import write_workbook
 
 from indentation_files.readers import Unreadable, read_each, read_source, read_vendor_file, select
