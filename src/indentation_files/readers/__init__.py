@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from indentation_files.discovery import discover
-from indentation_files.errors import InputError
+from indentation_files.errors import InputError, part_of
 from indentation_files.readers.column_map import ColumnMap
 from indentation_files.readers.columns import holds_columns, missing_channel, read_columns
 from indentation_files.readers.left_out import nothing_found
@@ -166,11 +166,8 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     InputError
         When a test is missing, cannot be read or is named twice, or the file lacks the columns that are given.
     """
-    if "units" in source and "columns" not in source:
-        raise InputError(
-            "units are given without columns", remedy="add columns, or leave units off", place="source.units"
-        )
-    columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
+    with part_of("source"):
+        columns = ColumnMap.stated(source.get("columns"), source.get("units"))
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
     contact = source.get("contact", "file")
     tests = read_each(source["file"], source.get("sha256"), chosen, contact, columns, columns_required=True)

@@ -64,6 +64,32 @@ def fit_surrogate(
     return model, parameters, curves, summary
 
 
+def simulated_surrogates(study: Study, curves: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:
+    """Return the surrogate of each condition that calibrates; those of its snapshots that are missing are simulated.
+
+    Parameters
+    ----------
+    study
+    curves
+        The folder of the store.
+    report
+        Called with one line on the progress, as the first two steps of three.
+    """
+    report("step 1 of 3: snapshots")
+    contents: dict[str, list[dict[str, Any]]] = {}
+    for batch in store.plan(study):
+        found = store.computed(batch.snapshots, curves, report)
+        for snapshot, content in zip(batch.snapshots, found, strict=True):
+            contents.setdefault(snapshot.condition, []).append(content)
+    report("step 2 of 3: surrogates")
+    models = {}
+    for name, snapshots in contents.items():
+        models[name], _, _, summary = fit_surrogate(study, name, snapshots)
+        if summary["missing"]:
+            report(summary["missing"])
+    return models
+
+
 def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
     """Return the root mean square over the snapshots of error / curve, in the mean along the curve, in per cent.
 

@@ -223,7 +223,7 @@ def test_a_channel_that_never_changes_is_told(tmp_path, channel, contact):
         (["--columns", "time=t / s,load=Fn,depth=hh"], "columns of its header (No, h, t / s, Fn)"),
         (["--columns", "time=t / s,load=Fn,depth=Fn"], "load and depth are both 'Fn'"),
         (["--columns", "time=t / s,load=Fn,depth=h", "--contact", "5e9"], "outside the way in"),
-        (["--units", "load=uN"], "add --columns"),
+        (["--units", "load=uN"], "add columns"),
         (["--columns", "time=t / s,load=Fn"], "no column is named for depth"),
         (["--columns", "time=t / s,load=Fn,depth=h", "--units", "load=kg"], "load in 'kg' is not known"),
         (["--columns", "time=t / s,load=Fn,depth=h,force=Fn"], "'force' is no channel"),
