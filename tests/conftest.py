@@ -54,9 +54,9 @@ def simulated(monkeypatch):
     """Return how many cases each run of the solver was given."""
     counts, batch = [], similar.indent_batch
 
-    def counting(cases, beside=()):
+    def counting(cases, perturbed=()):
         counts.append(len(cases))
-        return batch(cases, beside)
+        return batch(cases, perturbed)
 
     monkeypatch.setattr(similar, "indent_batch", counting)
     return counts

@@ -148,7 +148,15 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
     from indentation_files.errors import located_in
     from indentation_files.overwrite import checked_output
     from indentation_files.provenance import provenance
-    from indentation_files.readers import ColumnMap, VendorTest, messages, read_each, select, sound, zeroed_each
+    from indentation_files.readers import (
+        ColumnMap,
+        VendorTest,
+        messages,
+        raise_if_unreadable,
+        read_each,
+        select,
+        zeroed_each,
+    )
     from indentation_files.readers.zero import decision
     from indentation_files.survey import Survey, survey_each
 
@@ -159,7 +167,9 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
             tests = [select(tests, arguments.test, arguments.file)]
         begun = zeroed_each(arguments.file, tests, arguments.contact)
         readable = [
-            (sound(whole), test) for whole, test in zip(tests, begun, strict=True) if isinstance(test, VendorTest)
+            (raise_if_unreadable(whole), test)
+            for whole, test in zip(tests, begun, strict=True)
+            if isinstance(test, VendorTest)
         ]
         surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]

@@ -131,7 +131,7 @@ def test_the_base_models_fit_begins_where_the_model_of_record_does_not_fail():
     class FailingRecord(ClosedForms):
         fails: bool = False
 
-        def of_record(self, u):
+        def reanchored(self, u):
             asked.append(u)
             return replace(self, fails=len(asked) == 1)
 

@@ -69,7 +69,7 @@ class ClosedForms:
     def refinements(self):
         return {}
 
-    def of_record(self, u):
+    def reanchored(self, u):
         return self
 
     def refined(self, u):
@@ -78,7 +78,7 @@ class ClosedForms:
     def extrapolated(self, u):
         return None
 
-    def together(self, u):
+    def points_per_batch(self, u):
         return 4
 
     def thinned(self):

@@ -134,7 +134,7 @@ class Forward:
     def refinements(self):
         return {}
 
-    def of_record(self, u):
+    def reanchored(self, u):
         return self
 
     def refined(self, u):
@@ -146,7 +146,7 @@ class Forward:
     def amplitudes(self, u):
         return {}
 
-    def together(self, u):
+    def points_per_batch(self, u):
         return 4
 
     def thinned(self):

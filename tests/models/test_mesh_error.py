@@ -66,7 +66,7 @@ def plain(study):
 @pytest.fixture(scope="module")
 def record(study, plain):
     """Return the model of record, which is known at the middle material."""
-    return plain.of_record(plain.coordinates.scaled(middle(study)))
+    return plain.reanchored(plain.coordinates.scaled(middle(study)))
 
 
 def on_fine_mesh(model, u, condition, accuracy="medium"):
@@ -101,7 +101,7 @@ def test_it_serves_another_material_nearby(tmp_path, modulus):
     """To a quarter of what the usual mesh errs by itself, though it has fewer samples and hence longer steps."""
     study = loaded(tmp_path, points=100)
     plain = FiniteElements.of(study, ["T010"])
-    record = plain.of_record(plain.coordinates.scaled(middle(study)))
+    record = plain.reanchored(plain.coordinates.scaled(middle(study)))
     (condition,) = plain.conditions
     u = plain.coordinates.scaled(middle(study) | {"youngs_modulus": modulus})
     usual, found = (model.curves([u])[0]["T010"] for model in (plain, record))
@@ -132,11 +132,11 @@ def test_curves_of_finer_meshes_serve_there_and_elsewhere(tmp_path):
     study = loaded(tmp_path, points=60)
     plain = FiniteElements.of(study, ["T010"])
     here, elsewhere = (plain.coordinates.scaled(middle(study) | {"youngs_modulus": value}) for value in (3.2, 3.9))
-    (condition,), record = plain.conditions, plain.of_record(here)
+    (condition,), record = plain.conditions, plain.reanchored(here)
     refined = record.refined(here)
     for u, usual, finer in (
         (here, record, refined),
-        (elsewhere, record.of_record(elsewhere), refined.of_record(elsewhere)),
+        (elsewhere, record.reanchored(elsewhere), refined.reanchored(elsewhere)),
     ):
         true = on_fine_mesh(plain, u, condition, "finest")
         before, after = (off_where_loaded(each.curves([u])[0]["T010"], true, condition) for each in (usual, finer))
@@ -167,7 +167,7 @@ def test_what_depends_on_the_edge_of_contact_changes_curves_as_on_a_finer_mesh(t
     model = plain.joined([MECHANISMS[key]], scale_of(study))
     places = [np.append(body, values) for values in amplitudes]
     true = [on_fine_mesh(model, u, condition, "fine") for u in places]
-    usual = model.of_record(places[0])
+    usual = model.reanchored(places[0])
     finer, there, slopes = usual.extrapolated(places[0])
     found = finer.consistent(places[0], there, slopes)
     assert found.curves(places[:1])[0]["T010"] == pytest.approx(there["T010"], rel=1e-5)
@@ -186,7 +186,7 @@ def test_a_held_out_test_like_a_fitted_one_has_its_curve_where_a_fit_ended_on_fi
     plain = FiniteElements.of(study, ["T010"])
     model = plain.joined([MECHANISMS["friction"]], scale_of(study))
     u = np.append(plain.coordinates.scaled(middle(study)), 0.4)
-    finer, there, slopes = model.of_record(u).extrapolated(u)
+    finer, there, slopes = model.reanchored(u).extrapolated(u)
     (curves,) = finer.consistent(u, there, slopes).under(["AGAIN"]).curves([u])
     of_fitted, accurate = there["T010"], on_fine_mesh(model, u, study.condition("AGAIN"))
     assert np.abs(curves["AGAIN"] - of_fitted).max() < 0.1 * np.abs(accurate - of_fitted).max()
@@ -200,7 +200,7 @@ def test_the_curves_at_one_lag_serve_another(tmp_path):
     body = plain.coordinates.scaled(middle(study) | {"controller_lag.lag": 0.1})[:-1]
     lags = [np.append(body, lag) for lag in (0.11, 0.09)]
     (condition,) = plain.conditions
-    (found,) = plain.of_record(lags[0]).curves([lags[1]])
+    (found,) = plain.reanchored(lags[0]).curves([lags[1]])
     assert found["T010"] == pytest.approx(on_fine_mesh(plain, lags[1], condition), abs=1e-3 * found["T010"].max())
 
 
@@ -275,7 +275,7 @@ def test_the_mesh_errs_by_the_bodys_depth_not_by_what_the_instrument_adds(study,
     assert found["T010"][:, 2] == pytest.approx(by_amplitudes[1] * load, abs=1e-6)
     (alone,) = model.curves([u])
     assert alone["T010"] == pytest.approx(curves["T010"], rel=1e-6)
-    (there,) = plain.joined(instrument, scale).of_record(u).curves([u])
+    (there,) = plain.joined(instrument, scale).reanchored(u).curves([u])
     true = on_fine_mesh(plain.joined(instrument, scale), u, plain.conditions[0])
     assert there["T010"] == pytest.approx(true, rel=1e-9, abs=1e-4)
 
@@ -302,7 +302,7 @@ def test_a_condition_under_which_the_model_of_record_fails_is_left_to_the_usual_
 
     u, simulate_batch = plain.coordinates.scaled(middle(study)), body_model.simulate_batch
     monkeypatch.setattr(body_model, "simulate_batch", failing)
-    found = plain.of_record(u)
+    found = plain.reanchored(u)
     usual, same = (model.under(["V010"]).curves([u])[0]["V010"] for model in (plain, found))
     assert same == pytest.approx(usual)
     better = found.under(["T010"]).curves([u])[0]["T010"]
@@ -319,7 +319,7 @@ def test_changes_by_some_of_the_points_are_those_of_all(key, own, within):
     at = np.full(len(usual.coordinates.free), 0.4)
     place = at + np.append([0.1, -0.1, 0.05, 0.1], np.full(own, 0.1))
     there, here = (on_fine_mesh(usual, u, condition) for u in (place, at))
-    moved, before = (curves[condition.name] for curves in usual.of_record(at).curves([place, at]))
+    moved, before = (curves[condition.name] for curves in usual.reanchored(at).curves([place, at]))
     assert moved - before == pytest.approx(there - here, abs=within * np.abs(there - here).max())
 
 
@@ -339,7 +339,7 @@ class Counting(ClosedForms):
 
     asked: list = field(default_factory=list)
 
-    def of_record(self, u):
+    def reanchored(self, u):
         self.asked.append(self.coordinates.names)
         return self
 

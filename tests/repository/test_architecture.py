@@ -173,6 +173,40 @@ def test_tests_mirror_the_packages():
         assert [name for name in shared if not file.with_name(f"{name.split('.')[0]}.py").is_file()] == [], file
 
 
+FOUND = ("cli", "materials", "mechanisms", "readers", "figures", "export")  # folders whose modules are discovered
+SMALL = 60  # lines
+SMALL_MODULES = {
+    "indentation_files.__main__": "a command",
+    "indentation_files.pop_in": "what a reader of files may use without palpate",
+    "palpate.analytic.berkovich": "one solution a file, used by tests",
+    "palpate.analytic.hertz": "one solution a file",
+    "palpate.analytic.sneddon": "one solution a file",
+    "palpate.base.checked_kernels": "the form of compiled kernels, whose content counts for their address",
+    "palpate.configuration.recording_sets": "study_file is as long as a module may be",
+    "palpate.inference.errors_at_end": "fitting is longer than a module may be",
+    "palpate.output.vtu": "one file format",
+    "palpate.solver.axisymmetric.normal_lanes": "contact is as long as a module may be",
+    "palpate.solver.axisymmetric.trend": "march_cases is as long as a module may be",
+    "palpate.solver.pyramid.fields_3d": "simulation is longer than a module may be",
+    "palpate.workflow_support.study_report": "what one script does",
+}
+
+
+def test_small_modules_have_more_than_one_importer_or_say_why():
+    outside = [*REPOSITORY.glob("scripts/*.py"), *STUDIES, *REPOSITORY.glob("workflow/rules/*.smk")]
+    text = "\n".join(file.read_text() for file in outside)
+    users = Counter(name for file in FILES for name in MODULES.keys() & set(imports(file)))
+    small = {
+        name
+        for name, file in MODULES.items()
+        if len(file.read_text().splitlines()) < SMALL
+        and users[name] + (f"{name} import" in text) <= 1
+        and file.name != "__init__.py"
+        and file.parent.name not in FOUND
+    }
+    assert small == set(SMALL_MODULES)
+
+
 def test_scripts_are_thin():
     for script in [*REPOSITORY.glob("scripts/*.py"), *REPOSITORY.glob("studies/*/scripts/*.py")]:
         assert len(script.read_text().splitlines()) <= 35, script.name

@@ -85,12 +85,12 @@ BLUNTER = {"indenter": Indenter("cone", half_angle=70.307)}
 def test_neighbours_are_solved_once_where_cases_differ_in_size_alone(simulated, kinematics):
     """And derivatives are those of cases that are solved each by itself."""
     cases = [case(load, kinematics=kinematics) for load in (1.0, 4.0)]
-    beside = [[case(load, kinematics=kinematics, **change) for change in (SOFTER, BLUNTER)] for load in (1.0, 4.0)]
-    found = indent_distinct(cases, beside)
+    perturbed = [[case(load, kinematics=kinematics, **change) for change in (SOFTER, BLUNTER)] for load in (1.0, 4.0)]
+    found = indent_distinct(cases, perturbed)
     assert simulated == [1]
-    for shared, alone in zip(found, indent_batch(cases, beside), strict=True):
+    for shared, alone in zip(found, indent_batch(cases, perturbed), strict=True):
         assert shared.depth == pytest.approx(alone.depth, rel=1e-9)
-        changes = [history.depths_beside - history.depth for history in (shared, alone)]
+        changes = [history.perturbed_depths - history.depth for history in (shared, alone)]
         assert changes[0] == pytest.approx(changes[1], rel=1e-6, abs=1e-6 * np.abs(changes[1]).max())
         assert np.all(np.abs(changes[1]).max(axis=1) > 1e-3), "both are felt"
 
@@ -114,12 +114,12 @@ def filmed(thickness):
 )
 def test_neighbours_with_a_length_are_solved_for_each_size(simulated, own, other):
     cases = [case(load, **own) for load in (1.0, 4.0)]
-    beside = [[case(load, **other)] for load in (1.0, 4.0)]
-    found = indent_distinct(cases, beside)
+    perturbed = [[case(load, **other)] for load in (1.0, 4.0)]
+    found = indent_distinct(cases, perturbed)
     assert simulated == [2]
     for number, history in enumerate(found):
-        (alone,) = indent_batch(cases[number : number + 1], beside[number : number + 1])
-        assert history.depths_beside == pytest.approx(alone.depths_beside, rel=1e-9, nan_ok=True)
+        (alone,) = indent_batch(cases[number : number + 1], perturbed[number : number + 1])
+        assert history.perturbed_depths == pytest.approx(alone.perturbed_depths, rel=1e-9, nan_ok=True)
 
 
 def test_given_rings_do_not_grow_with_the_contact():

@@ -15,9 +15,9 @@ from sklearn.utils.estimator_checks import estimator_checks_generator
 
 from palpate.errors import InputError, PalpateError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
-from palpate.surrogate.missing import checked_missing
 from palpate.surrogate.saved import load, save
 from palpate.workflow_support import steps
+from palpate.workflow_support.steps import checked_missing
 
 T = np.linspace(0.0, 1.0, 40)
 

@@ -17,9 +17,9 @@ from indentation_files.readers import (
     Unreadable,
     VendorTest,
     messages,
+    raise_if_unreadable,
     read_each,
     select,
-    sound,
     zeroed_each,
 )
 from indentation_files.readers.vendor import in_words
@@ -126,7 +126,7 @@ def read_recording(
         names = ", ".join(f"{each.name!r}" for each in tests)
         remedy = "choose one by name or number, test=1, or read all with read_recordings"
         raise InputError(f"holds {len(tests)} tests: {names}", remedy=remedy, file=path)
-    one = sound(tests[0]) if test is None else select(tests, str(test), Path(path), "test")
+    one = raise_if_unreadable(tests[0]) if test is None else select(tests, str(test), Path(path), "test")
     return MeasuredTest(Path(path), one, chosen)
 
 
