@@ -16,18 +16,18 @@ def pytest_configure(config):
         config.option.dist = "loadfile"
 
 
-LONGEST = ("test_workflow", "test_mesh_error", "test_document_commands", "test_run", "test_soak", "test_calibration")
+LONGEST = ("test_mesh_error", "test_document_commands", "test_run", "test_soak", "test_calibration")
 WITHOUT_KERNELS = ("test_contact", "test_readers")
+FIRST = ("test_workflow", *WITHOUT_KERNELS, *LONGEST)
 
 
 def pytest_collection_modifyitems(items):
     """Begin the longest files first, so that one process does them while the others do the rest.
 
-    What needs no compiled kernels comes next, so that two processes do not compile the same ones side by side.
+    The workflow's compile the kernels, beside what needs none, so that two processes do not compile the same ones.
     """
-    first = (*LONGEST, *WITHOUT_KERNELS)
     items.sort(
-        key=lambda item: next((k for k, name in enumerate(first) if item.path.name.startswith(name)), len(first))
+        key=lambda item: next((k for k, name in enumerate(FIRST) if item.path.name.startswith(name)), len(FIRST))
     )
     for item in items:
         if fault := item.get_closest_marker("faults"):
@@ -35,8 +35,8 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    """Print what faults did before and do now, where tests of the name are asked for: `pytest -m faults`, `-m slow`."""
-    if config.option.markexpr not in ("faults", "slow"):
+    """Print what faults did before and do now, where they are asked for: `pytest -m faults`, `-m slow`, `.ci/run`."""
+    if config.option.markexpr not in ("faults", "slow", "not browser"):
         return
     rows = []
     for outcome, now in (("passed", "as it says"), ("failed", "FAILED"), ("skipped", "not tried here")):

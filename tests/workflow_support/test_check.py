@@ -1,5 +1,6 @@
 """`palpate check`: what would stop a study later, or what is odd about its recordings, is said before anything runs."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -245,3 +246,38 @@ def test_a_diagnosis_without_replicates_is_expected_to_take_longer(tmp_path, mon
         Recording(time, load, 400.0 * np.sqrt(load)).write(f"lab/A_{number}.csv")
         took.append(job_seconds(study, batches=1)["diagnosis"])
     assert took[0] > 2.0 * took[1]
+
+
+def test_a_diagnosis_of_an_elastic_law_is_expected_to_take_longer_where_tests_leave_an_imprint(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("lab").mkdir()
+    time = np.linspace(0.0, 60.0, 81)
+    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
+    study = study_from(ELASTIC | {"recordings": {"lab": "lab"}}, "study")
+    took = []
+    for left in (0.0, 100.0):
+        for number in (1, 2):
+            Recording(time, load, 400.0 * np.sqrt(load) + left * (time > 30.0)).write(f"lab/A_{number}.csv")
+        took.append(job_seconds(study, batches=1)["diagnosis"])
+    assert took[1] > 2.0 * took[0]
+
+
+def test_the_times_of_a_small_study_are_those_of_its_runs(tmp_path, monkeypatch):
+    """Under its law 14 and 22 s of processor time, under an elastic one 8 and 34 s: docs/measurements.md."""
+    monkeypatch.chdir(tmp_path)
+    content = yaml.safe_load((Path(__file__).parents[2] / "docs/data/comparison.yaml").read_text())
+    for law, calibration, diagnosis in (("nonlinear_burgers", 14.0, 22.0), ("elastic", 8.0, 34.0)):
+        if law == "elastic":
+            content["material"]["model"] = law
+            content["parameters"] = {"youngs_modulus": content["parameters"]["youngs_modulus"]}
+            del content["laboratory"]
+            time = np.linspace(0.0, 70.0, 141)
+            load = np.interp(time, [0, 30, 40, 70], [0, 1, 1, 0])
+            for folder in content["recordings"].values():
+                Path(folder).mkdir(parents=True)
+                for condition, number in itertools.product(content["conditions"], (1, 2, 3)):
+                    depth = 400.0 * np.sqrt(load) + 60.0 * (time > 40.0)
+                    Recording(time, load, depth).write(f"{folder}/{condition['name']}_{number}.csv")
+        seconds = job_seconds(study_from(content, "study"), batches=1)
+        assert seconds["calibration"] == pytest.approx(calibration, rel=0.5)
+        assert seconds["diagnosis"] == pytest.approx(diagnosis, rel=0.5)
