@@ -7,6 +7,7 @@ from palpate.base.threads import one_thread_each
 one_thread_each()
 
 from palpate.cli.main import main  # noqa: E402
+from palpate.laboratory import virtual  # noqa: E402
 from palpate.solver.axisymmetric import similar  # noqa: E402
 
 
@@ -60,6 +61,23 @@ def simulated(monkeypatch):
 
     monkeypatch.setattr(similar, "indent_batch", counting)
     return counts
+
+
+TRUTHS = {}
+
+
+@pytest.fixture
+def truth_once(monkeypatch):
+    """Let virtual laboratories simulate a truth once, for tests of what is made of its curves."""
+    exact = virtual.exact_curves
+
+    def once(study, settings):
+        key = (study.name, study.points, len(study.conditions), str(settings["parameters"]))
+        if key not in TRUTHS:
+            TRUTHS[key] = exact(study, settings)
+        return TRUTHS[key]
+
+    monkeypatch.setattr(virtual, "exact_curves", once)
 
 
 @pytest.fixture

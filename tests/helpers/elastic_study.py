@@ -1,5 +1,7 @@
 """A study of an elastic body under a cone, which is simulated in seconds, and recordings of it."""
 
+from functools import cache
+
 import numpy as np
 
 from indentation_files.recording import Recording
@@ -20,8 +22,13 @@ SETTINGS = {
 }
 
 
+@cache
+def _exact():
+    return simulate(material=MATERIAL, indenter=CONE, protocol=PROTOCOL | {"points": 60})
+
+
 def measured(compliance=0.0, name="test", seed=1):
     """Return a recording of an elastic body, with noise of 0.3 nm and the frame's deflection."""
-    curve = simulate(material=MATERIAL, indenter=CONE, protocol=PROTOCOL | {"points": 60})
+    curve = _exact()
     noise = 0.3 * np.random.default_rng(seed).standard_normal(len(curve.time))
     return Recording(curve.time, curve.load, curve.depth + noise + compliance * curve.load, name=name)

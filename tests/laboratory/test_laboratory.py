@@ -61,12 +61,14 @@ def test_a_denser_protocol_holds_every_sample_of_the_one_it_refines():
     assert (np.diff(fine.sample_time) > 0).all()
 
 
+@pytest.mark.usefixtures("truth_once")
 def test_without_noise_and_scatter_replicates_are_the_same_curve(study):
     recordings = virtual.record(study, SETTINGS)
     assert list(recordings) == ["a_1", "a_2", "a_3"]
     assert np.array_equal(recordings["a_1"].depth, recordings["a_3"].depth)
 
 
+@pytest.mark.usefixtures("truth_once")
 def test_scatter_between_sites_is_one_factor_for_each_recording(study):
     exact = virtual.record(study, SETTINGS)["a_1"].depth
     scattered = virtual.record(study, {**SETTINGS, "site_scatter": 0.05})
@@ -75,6 +77,7 @@ def test_scatter_between_sites_is_one_factor_for_each_recording(study):
     assert len(np.unique(ratios[:, 0].round(12))) == 3
 
 
+@pytest.mark.usefixtures("truth_once")
 def test_files_repeat_from_their_seed_say_that_they_are_synthetic_and_keep_the_truth_apart(study, tmp_path):
     for folder in ("one", "two"):
         virtual.write(study, "virtual", tmp_path / folder)

@@ -295,6 +295,7 @@ def test_curves_are_kept_where_results_are_and_nobody_is_told_unasked(fit, resul
     assert capsys.readouterr() == ("", "")
 
 
+@pytest.mark.usefixtures("truth_once")
 def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     sets = {"lab": "results/small/recordings/lab", "mine": "mine"}

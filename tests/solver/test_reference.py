@@ -7,12 +7,13 @@ import pytest
 from studies.verification.case import Settings
 from studies.verification.cases import reference_curves
 
-pytestmark = pytest.mark.slow
-
 FOLDER = Path(__file__).parents[3] / "shared/reference"
-pytestmark = pytest.mark.skipif(
-    not FOLDER.is_dir(), reason="the reference curves are not part of the repository (folder shared/reference)"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not FOLDER.is_dir(), reason="the reference curves are not part of the repository (folder shared/reference)"
+    ),
+]
 
 
 MISSED = pytest.mark.xfail(reason="1.7 % at the worst sample, 1.2 % is the refinement error of the curve")
