@@ -272,7 +272,7 @@ def _named(tree: ast.Module) -> Iterator[str]:
 
 def _order() -> list[str]:
     """Return the package of files, and the subpackages as the test of the architecture lists them, below ``src``."""
-    text = (SOURCE.parent / "tests/test_architecture.py").read_text(encoding="utf-8")
+    text = (SOURCE.parent / "tests/repository/test_architecture.py").read_text(encoding="utf-8")
     rooms = re.search(r'ROOMS = """(.*?)"""', text, re.DOTALL)[1].split()  # type: ignore[index]
     return ["indentation_files", *(f"palpate/{name}" for name in rooms)]
 

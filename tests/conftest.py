@@ -7,6 +7,7 @@ from palpate.base.threads import one_thread_each
 one_thread_each()
 
 from palpate.cli.main import main  # noqa: E402
+from palpate.laboratory import virtual  # noqa: E402
 from palpate.solver.axisymmetric import similar  # noqa: E402
 
 
@@ -16,18 +17,18 @@ def pytest_configure(config):
         config.option.dist = "loadfile"
 
 
-LONGEST = ("test_workflow", "test_mesh_error", "test_document_commands", "test_run", "test_soak", "test_calibration")
+LONGEST = ("test_mesh_error", "test_document_commands", "test_run", "test_soak", "test_calibration")
 WITHOUT_KERNELS = ("test_contact", "test_readers")
+FIRST = ("test_workflow", *WITHOUT_KERNELS, *LONGEST)
 
 
 def pytest_collection_modifyitems(items):
     """Begin the longest files first, so that one process does them while the others do the rest.
 
-    What needs no compiled kernels comes next, so that two processes do not compile the same ones side by side.
+    The workflow's compile the kernels, beside what needs none, so that two processes do not compile the same ones.
     """
-    first = (*LONGEST, *WITHOUT_KERNELS)
     items.sort(
-        key=lambda item: next((k for k, name in enumerate(first) if item.path.name.startswith(name)), len(first))
+        key=lambda item: next((k for k, name in enumerate(FIRST) if item.path.name.startswith(name)), len(FIRST))
     )
     for item in items:
         if fault := item.get_closest_marker("faults"):
@@ -35,8 +36,8 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    """Print what faults did before and do now, where tests of the name are asked for: `pytest -m faults`, `-m slow`."""
-    if config.option.markexpr not in ("faults", "slow"):
+    """Print what faults did before and do now, where they are asked for: `pytest -m faults`, `-m slow`, `.ci/run`."""
+    if config.option.markexpr not in ("faults", "slow", "not browser"):
         return
     rows = []
     for outcome, now in (("passed", "as it says"), ("failed", "FAILED"), ("skipped", "not tried here")):
@@ -54,12 +55,29 @@ def simulated(monkeypatch):
     """Return how many cases each run of the solver was given."""
     counts, batch = [], similar.indent_batch
 
-    def counting(cases, beside=()):
+    def counting(cases, perturbed=()):
         counts.append(len(cases))
-        return batch(cases, beside)
+        return batch(cases, perturbed)
 
     monkeypatch.setattr(similar, "indent_batch", counting)
     return counts
+
+
+TRUTHS = {}
+
+
+@pytest.fixture
+def truth_once(monkeypatch):
+    """Let virtual laboratories simulate a truth once, for tests of what is made of its curves."""
+    exact = virtual.exact_curves
+
+    def once(study, settings):
+        key = (study.name, study.points, len(study.conditions), str(settings["parameters"]))
+        if key not in TRUTHS:
+            TRUTHS[key] = exact(study, settings)
+        return TRUTHS[key]
+
+    monkeypatch.setattr(virtual, "exact_curves", once)
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
     from indentation_files.errors import InputError
-    from indentation_files.readers import ColumnMap, VendorTest
+    from indentation_files.readers import VendorTest
     from indentation_files.survey import Survey
 
 HELP = "convert an instrument's file to one CSV for each test"
@@ -148,18 +148,28 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
     from indentation_files.errors import located_in
     from indentation_files.overwrite import checked_output
     from indentation_files.provenance import provenance
-    from indentation_files.readers import VendorTest, messages, read_each, select, sound, zeroed_each
+    from indentation_files.readers import (
+        ColumnMap,
+        VendorTest,
+        messages,
+        raise_if_unreadable,
+        read_each,
+        select,
+        zeroed_each,
+    )
     from indentation_files.readers.zero import decision
     from indentation_files.survey import Survey, survey_each
 
     with located_in(arguments.file):
-        columns = column_map(arguments)
+        columns = ColumnMap.stated(arguments.columns, arguments.units)
         tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
         if arguments.test is not None:
             tests = [select(tests, arguments.test, arguments.file)]
         begun = zeroed_each(arguments.file, tests, arguments.contact)
         readable = [
-            (sound(whole), test) for whole, test in zip(tests, begun, strict=True) if isinstance(test, VendorTest)
+            (raise_if_unreadable(whole), test)
+            for whole, test in zip(tests, begun, strict=True)
+            if isinstance(test, VendorTest)
         ]
         surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
@@ -211,24 +221,6 @@ def _write_table(
             report(f"{found.located(file=file)}; left out of the survey")
     text = table(*zip(*rows, strict=True)).to_csv(index=False, sep="\t", float_format="%.5g")
     _written(folder / f"{file.stem}_survey.txt", lambda place: place.write_text(text, encoding="utf-8"), report)
-
-
-def column_map(arguments: argparse.Namespace) -> ColumnMap | None:
-    """Return where a table holds time, load and depth, as the arguments state, if they do.
-
-    Raises
-    ------
-    InputError
-        When units are given without columns.
-    """
-    from indentation_files.errors import InputError
-    from indentation_files.readers import ColumnMap
-
-    if arguments.units and not arguments.columns:
-        raise InputError(
-            "units are given without columns", remedy="add --columns, or leave --units off", place="--units"
-        )
-    return ColumnMap(arguments.columns, arguments.units) if arguments.columns else None
 
 
 def _report_missing_stiffness(file: Path, tests: Sequence[VendorTest], report: Report) -> None:

@@ -29,6 +29,7 @@ from typing import TypeVar
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg.lapack import dtrtrs
 from scipy.special import ndtr
 
 from indentation_files.baseline import Baselines, Term, correlated, prior_deviation, values
@@ -147,6 +148,7 @@ class Evidence:
         self.found: dict[Setting, tuple[float, np.ndarray, np.ndarray]] = {}
         self._products: dict[ResidualNoise, tuple[float, np.ndarray, np.ndarray, np.ndarray]] = {}
         self._correlated: dict[float, np.ndarray] = {}
+        self._baselines: dict[tuple[Term, ...], tuple[np.ndarray, np.ndarray, float]] = {}
 
     @cached_property
     def columns(self) -> np.ndarray:
@@ -180,8 +182,8 @@ class Evidence:
     def products(self, noise: ResidualNoise) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
         """Return half of log |C|, and products over C.
 
-        Of load and terms with each other (1 + terms, 1 + terms) and with laws (1 + terms, columns), and of each law
-        with itself (columns,).
+        Of load and terms with each other (1 + terms, 1 + terms) and with load and laws (1 + terms, 1 + columns), and of
+        each law with itself (columns,).
         """
         if noise not in self._products:
             covariance = self.covariance(noise)
@@ -190,7 +192,8 @@ class Evidence:
             whitened = solve_triangular(factor, self.columns, lower=True, check_finite=False)
             linear, laws = np.split(whitened, [1 + len(self.terms)], axis=1)
             half = float(np.log(np.diag(factor)).sum())
-            self._products[noise] = half, linear.T @ linear, linear.T @ laws, np.einsum("ij,ij->j", laws, laws)
+            beside = linear.T @ np.column_stack([linear[:, 0], laws])
+            self._products[noise] = half, linear.T @ linear, beside, np.einsum("ij,ij->j", laws, laws)
         return self._products[noise]
 
     def try_out(self, noises: Iterable[ResidualNoise], baselines: Iterable[tuple[Term, ...]]) -> Setting:
@@ -205,25 +208,33 @@ class Evidence:
     def _evidence(self, noise: ResidualNoise, terms: tuple[Term, ...]) -> tuple[float, np.ndarray, np.ndarray]:
         """Return the logarithms of the evidence of a setting, and of each contact and law in it, and k (columns,)."""
         half, linear, mixed, laws = self.products(noise)
-        chosen = [1 + self.terms.index(term) for term in terms]
-        spread = np.array([prior_deviation(term) for term in terms])
-        factor = np.linalg.cholesky(linear[np.ix_(chosen, chosen)] + np.diag(spread**-2.0))
-        along = solve_triangular(
-            factor, np.column_stack([linear[chosen, 0], mixed[chosen]]), lower=True, check_finite=False
-        )
+        chosen, precision, prior = self._baseline(terms)
+        factor = np.linalg.cholesky(linear[chosen[:, None], chosen] + precision)
+        along, _ = dtrtrs(factor, mixed[chosen], lower=1)
         of_load, of_law = along[:, 0], along[:, 1:]
         load = max(linear[0, 0] - of_load @ of_load, 1e-12)
         law = np.maximum(laws - np.einsum("ij,ij->j", of_law, of_law), 1e-10 * laws + 1e-12)
-        amplitude = (mixed[0] - of_load @ of_law) / law
+        amplitude = (mixed[0, 1:] - of_load @ of_law) / law
         left = np.maximum(load - amplitude**2 * law, 1e-9 * load)
         degrees = len(self.blocks.load) - 2
         error, rise = np.sqrt(left / degrees / law), self.guess.rise
         within = ndtr((2 * rise - amplitude) / error) - ndtr((0.5 * rise - amplitude) / error)
-        score = -half - np.log(np.diag(factor)).sum() - np.log(spread).sum() - 0.5 * degrees * np.log(left)
-        score = score - 0.5 * np.log(law) + np.log(np.maximum(within, 1e-300))
-        score += self.prior + self.baselines.log_prior(terms)
+        even = prior - half - float(np.log(factor.diagonal()).sum())
+        score = self.prior + even - 0.5 * (degrees * np.log(left) + np.log(law)) + np.log(np.maximum(within, 1e-300))
         most = float(score.max())
         return most + float(np.log(np.exp(score - most).sum())), score, amplitude
+
+    def _baseline(self, terms: tuple[Term, ...]) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the columns of a baseline's terms, the prior precision of their coefficients and the log of its prior.
+
+        To the last the normalisation of the coefficients' prior is added.
+        """
+        if terms not in self._baselines:
+            spread = np.array([prior_deviation(term) for term in terms])
+            prior = self.baselines.log_prior(terms) - float(np.log(spread).sum())
+            chosen = np.array([1 + self.terms.index(term) for term in terms])
+            self._baselines[terms] = chosen, np.diag(spread**-2.0), prior
+        return self._baselines[terms]
 
     def near(self, nats: float) -> list[Setting]:
         """Return the settings whose evidence lies within `nats` of the best, best first."""
@@ -263,10 +274,9 @@ class Evidence:
         _, score, amplitude = self.found[setting]
         best = int(np.argmax(score))
         _, linear, mixed, _ = self.products(noise)
-        chosen = [1 + self.terms.index(term) for term in terms]
-        spread = np.array([prior_deviation(term) for term in terms])
-        rest = linear[chosen, 0] - amplitude[best] * mixed[chosen, best]
-        coefficients = np.linalg.solve(linear[np.ix_(chosen, chosen)] + np.diag(spread**-2.0), rest)
+        chosen, precision, _ = self._baseline(terms)
+        rest = linear[chosen, 0] - amplitude[best] * mixed[chosen, 1 + best]
+        coefficients = np.linalg.solve(linear[chosen[:, None], chosen] + precision, rest)
         loads = amplitude[best] * self.columns[:, 1 + len(self.terms) + best]
         contact = float(self.contacts[best // len(self.laws)])
         return self.columns[:, chosen] @ coefficients, ContactGuess(contact, loads, slopes_of(self.blocks.depth, loads))

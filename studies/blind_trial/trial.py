@@ -49,7 +49,7 @@ def strength(study: Study, case: Case, folder: Path) -> float:
         return float("nan")
     problem = Problem.of(study, observations(replace(study, recordings={"case": folder}), "case"))
     z = problem.forward.coordinates.scaled(case.parameters)
-    base = problem.forward.of_record(z)
+    base = problem.forward.reanchored(z)
     (found,) = base.tangents([z])
     if isinstance(found, str):
         raise PalpateError(found)

@@ -55,7 +55,7 @@ class BurgersSolid:
         """What a refinement changed: there is no mesh."""
         return {}
 
-    def of_record(self, u: np.ndarray) -> BurgersSolid:
+    def reanchored(self, u: np.ndarray) -> BurgersSolid:
         """Return the most accurate model, which is this one."""
         return self
 
@@ -71,7 +71,7 @@ class BurgersSolid:
         """Return what was observed: all replicates have one load."""
         return dict(observed)
 
-    def together(self, u: np.ndarray) -> int:
+    def points_per_batch(self, u: np.ndarray) -> int:
         """Return how many points are computed together."""
         return 4
 

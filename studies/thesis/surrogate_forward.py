@@ -64,7 +64,7 @@ class SurrogateForward(Surrogates):
         """Return nothing: the error of a surrogate is not known from the mesh."""
         return {}
 
-    def of_record(self, u: np.ndarray) -> SurrogateForward:
+    def reanchored(self, u: np.ndarray) -> SurrogateForward:
         """See `Forward`: these."""
         return self
 
@@ -83,7 +83,7 @@ class SurrogateForward(Surrogates):
         (middle,) = self.at(np.full((1, len(self.free)), 0.5))
         return self, {name: np.ones(len(curve), dtype=bool) for name, curve in middle.items()}
 
-    def together(self, u: np.ndarray) -> int:
+    def points_per_batch(self, u: np.ndarray) -> int:
         """See `Forward`."""
         return 4
 

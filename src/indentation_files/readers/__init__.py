@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from indentation_files.discovery import discover
-from indentation_files.errors import InputError
+from indentation_files.errors import InputError, part_of
 from indentation_files.readers.column_map import ColumnMap
 from indentation_files.readers.columns import holds_columns, missing_channel, read_columns
 from indentation_files.readers.left_out import nothing_found
 from indentation_files.readers.source import Source, numbers_of
 from indentation_files.readers.tables import tables_of
-from indentation_files.readers.tagged import averages, no_less_hidden, not_shown, remarked, set_aside, taken
+from indentation_files.readers.tagged import averages, no_less_hidden, not_shown, remarked, selected, set_aside
 from indentation_files.readers.units import CHANNELS, mended
 from indentation_files.readers.unknown import no_table, unknown
 from indentation_files.readers.vendor import (
@@ -28,8 +28,8 @@ from indentation_files.readers.vendor import (
     VendorTest,
     all_sound,
     messages,
+    raise_if_unreadable,
     refuse_corrections,
-    sound,
     unless_all_fail,
 )
 from indentation_files.readers.zero import Contact, zeroed_each
@@ -166,11 +166,8 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     InputError
         When a test is missing, cannot be read or is named twice, or the file lacks the columns that are given.
     """
-    if "units" in source and "columns" not in source:
-        raise InputError(
-            "units are given without columns", remedy="add columns, or leave units off", place="source.units"
-        )
-    columns = ColumnMap(source["columns"], source.get("units", {})) if "columns" in source else None
+    with part_of("source"):
+        columns = ColumnMap.stated(source.get("columns"), source.get("units"))
     chosen = frozenset(source["corrections"]) if "corrections" in source else None
     contact = source.get("contact", "file")
     tests = read_each(source["file"], source.get("sha256"), chosen, contact, columns, columns_required=True)
@@ -266,8 +263,8 @@ def select(
     named = {test.name: test for test in tests}
     numbered = dict(zip(numbers_of([test.name for test in tests]), tests, strict=True))
     if wanted in named:
-        return sound(taken(named[wanted]))
+        return raise_if_unreadable(selected(named[wanted]))
     if wanted.isdecimal() and int(wanted) in numbered:
-        return sound(taken(numbered[int(wanted)]))
+        return raise_if_unreadable(selected(numbered[int(wanted)]))
     names = ", ".join(named)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

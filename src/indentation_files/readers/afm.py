@@ -27,7 +27,7 @@ from indentation_files.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
-    attempt,
+    read_or_report,
     refuse_corrections,
     unless_all_fail,
     usable,
@@ -88,7 +88,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
         copy.write_bytes(source.content)
         try:
             tests = [
-                attempt(source.path, f"curve {number}", _test, source, number, curve)
+                read_or_report(source.path, f"curve {number}", _test, source, number, curve)
                 for number, curve in enumerate(load_data(copy), 1)
             ]
         except errors.MissingMetaDataError as error:

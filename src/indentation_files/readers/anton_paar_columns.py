@@ -22,7 +22,7 @@ from indentation_files.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
-    attempt,
+    read_or_report,
     refuse_corrections,
     unfinished,
     unless_all_fail,
@@ -64,7 +64,7 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     refuse_corrections(source, corrections)
     if not source.workbook:
         return unless_all_fail(_tests(source, "", _of_text(source)))
-    found = {sheet: attempt(source.path, sheet, _of_sheet, source, sheet) for sheet in source.sheets}
+    found = {sheet: read_or_report(source.path, sheet, _of_sheet, source, sheet) for sheet in source.sheets}
     tests: list[VendorTest | Unreadable] = []
     for sheet, columns in found.items():
         if not isinstance(columns, Unreadable):
@@ -89,7 +89,8 @@ def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] 
             tests.setdefault(name, {"load": [], "depth": []})[key].append((time, values))
     named = {f"{sheet} {name}" if name in known else name: both for name, both in tests.items()}
     return [
-        attempt(source.path, name, _test, source, name, both["load"], both["depth"]) for name, both in named.items()
+        read_or_report(source.path, name, _test, source, name, both["load"], both["depth"])
+        for name, both in named.items()
     ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from indentation_files.errors import InputError
 from indentation_files.readers.tables import Table
@@ -25,6 +26,24 @@ class ColumnMap:
 
     names: Mapping[str, str]
     units: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def stated(cls, columns: Any, units: Any = None) -> ColumnMap | None:
+        """Return the map that a user states, or None where no columns are named; numbers of columns may be numbers.
+
+        Raises
+        ------
+        InputError
+            When units are given without columns, or either is no mapping.
+        """
+        for place, given in (("columns", columns), ("units", units)):
+            if given is not None and not isinstance(given, Mapping):
+                problem = f"{type(given).__name__} is no mapping of channels"
+                raise InputError(problem, remedy="name time, load and depth, such as {'load': ...}", place=place)
+        if units and not columns:
+            raise InputError("units are given without columns", remedy="add columns, or leave units off", place="units")
+        names, named = ({key: str(text) for key, text in (given or {}).items()} for given in (columns, units))
+        return cls(names, named) if names else None
 
     def __post_init__(self) -> None:
         for key in CHANNELS:

@@ -23,7 +23,7 @@ from indentation_files.readers.vendor import (
     MOST_LEFT_OUT,
     Unreadable,
     VendorTest,
-    attempt,
+    read_or_report,
     unfinished,
     unless_all_fail,
 )
@@ -88,14 +88,16 @@ def missing_channel(source: Source) -> str | None:
 def _tests(table: Table, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     """Return the tests in a table: one, several below one another, or none without the columns or numbers in them."""
     path = table.source.path
-    body = attempt(path, table.name, body_of, table, columns)
+    body = read_or_report(path, table.name, body_of, table, columns)
     if body is None or isinstance(body, Unreadable):
         return [] if body is None else [body]
-    parts = attempt(path, table.name, parts_of, body)
+    parts = read_or_report(path, table.name, parts_of, body)
     if isinstance(parts, Unreadable):
         return [parts]
     names = [f"{table.name}_{number}" for number in range(1, len(parts) + 1)] if len(parts) > 1 else [table.name]
-    return [attempt(path, name, _test, name, body, part, columns) for name, part in zip(names, parts, strict=True)]
+    return [
+        read_or_report(path, name, _test, name, body, part, columns) for name, part in zip(names, parts, strict=True)
+    ]
 
 
 def _test(name: str, body: TableBody, part: Part, columns: ColumnMap) -> VendorTest:

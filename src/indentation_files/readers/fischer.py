@@ -15,7 +15,7 @@ from indentation_files.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
-    attempt,
+    read_or_report,
     refuse_corrections,
     unfinished,
     unless_all_fail,
@@ -59,7 +59,7 @@ def _series(source: Source, begin: int, end: int, several: bool) -> list[VendorT
         found = next(filter(None, (BLOCK.match(line) for _, line in lines[start:stop].in_words())), None)
         name = f"Block {found[1]} Value {found[2]}" if found else f"Test {number}"
         name = f"{application} {name}" if several else name
-        tests.append(attempt(source.path, name, _test, source, name, begin + start, begin + stop, program))
+        tests.append(read_or_report(source.path, name, _test, source, name, begin + start, begin + stop, program))
     return tests
 
 

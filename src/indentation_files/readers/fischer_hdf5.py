@@ -20,8 +20,8 @@ from indentation_files.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
-    attempt,
     first_few,
+    read_or_report,
     refuse_corrections,
     unfinished,
     unless_all_fail,
@@ -74,7 +74,7 @@ def _channels(group: Columns) -> dict[str, str]:
 def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) -> list[VendorTest | Unreadable]:
     """Return the tests in a group: one, or as many as its clock begins anew and the load rises again."""
     name = " ".join(part for part in path.split("/") if part not in ("", "data")) or source.path.stem
-    channels = attempt(source.path, name, _values, group)
+    channels = read_or_report(source.path, name, _values, group)
     if isinstance(channels, Unreadable):
         return [Unreadable(name, channels.error)]
     parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), _point)
@@ -89,7 +89,7 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
                 *messages,
                 f"{len(parts) - len(pressed)} parts without load before the clock begins anew left out",
             )
-        tests.append(attempt(source.path, called, _test, source, called, part.channels, facts, messages))
+        tests.append(read_or_report(source.path, called, _test, source, called, part.channels, facts, messages))
     return tests
 
 

@@ -15,7 +15,7 @@ from indentation_files.readers.headings import BRACKETED, is_word
 from indentation_files.readers.numbers_in_text import several_of
 from indentation_files.readers.source import Source, number_of
 from indentation_files.readers.units import SCALES, STIFFNESS, plain, unit_of
-from indentation_files.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
+from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report, unless_all_fail
 
 MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
@@ -53,14 +53,18 @@ def read_sheets(
     """
     numbered = tests_of(source)
     tests = [
-        attempt(source.path, sheet, read, source, sheet, facts.get(number, {}), *given)
+        read_or_report(source.path, sheet, read, source, sheet, facts.get(number, {}), *given)
         for sheet, number in numbered.items()
     ]
     for sheet in (sheet for sheet in source.sheets if sheet not in numbered):
-        found = attempt(source.path, sheet, holds_channels, source, sheet)
+        found = read_or_report(source.path, sheet, holds_channels, source, sheet)
         if not found:
             continue
-        test = found if isinstance(found, Unreadable) else attempt(source.path, sheet, read, source, sheet, {}, *given)
+        test = (
+            found
+            if isinstance(found, Unreadable)
+            else read_or_report(source.path, sheet, read, source, sheet, {}, *given)
+        )
         reason = "the sheet holds the columns of a test, and is not called 'Test' with a number"
         tests.append(replace(test, sought=False) if isinstance(test, Unreadable) else replace(test, uncounted=reason))
     return unless_all_fail(tests)

@@ -126,7 +126,7 @@ def remarked(source: Source, tests: Sequence[VendorTest | Unreadable]) -> list[V
     ]
 
 
-def taken(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
+def selected(test: VendorTest | Unreadable) -> VendorTest | Unreadable:
     """Return a test that somebody names, be it left out otherwise or not; a warning states that it is."""
     if isinstance(test, VendorTest) or test.uncounted is None:
         return test

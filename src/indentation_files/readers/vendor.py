@@ -96,7 +96,7 @@ class Reader:
     read: Callable[[Source, Corrections], Sequence[VendorTest | Unreadable]]
 
 
-def attempt(path: Path, name: str, read: Callable[..., Found], *given: Any) -> Found | Unreadable:
+def read_or_report(path: Path, name: str, read: Callable[..., Found], *given: Any) -> Found | Unreadable:
     """Return what `read` makes of `given`, or what is wrong with the test of that name in the file at `path`."""
     try:
         return read(*given)
@@ -109,7 +109,7 @@ def unless_all_fail(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest
     if not tests:
         raise InputError("holds no test", remedy="export the tests again")
     if all(isinstance(test, Unreadable) for test in tests):
-        sound(tests[0])
+        raise_if_unreadable(tests[0])
     return list(tests)
 
 
@@ -118,7 +118,7 @@ def in_words(corrections: Iterable[str] | None) -> str:
     return "those of the vendor" if corrections is None else ", ".join(sorted(corrections)) or "none"
 
 
-def sound(test: VendorTest | Unreadable) -> VendorTest:
+def raise_if_unreadable(test: VendorTest | Unreadable) -> VendorTest:
     """Return a test that can be read; raises what is wrong with another."""
     if isinstance(test, Unreadable):
         raise test.error
@@ -127,7 +127,11 @@ def sound(test: VendorTest | Unreadable) -> VendorTest:
 
 def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
     """Return the tests of a file, less uncounted ones; raises what is wrong with the first that cannot be read."""
-    return [sound(test) for test in tests if isinstance(test, VendorTest) or (test.sought and test.uncounted is None)]
+    return [
+        raise_if_unreadable(test)
+        for test in tests
+        if isinstance(test, VendorTest) or (test.sought and test.uncounted is None)
+    ]
 
 
 def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[str]:

@@ -32,7 +32,7 @@ from indentation_files.readers.in_air import (
 )
 from indentation_files.readers.source import numbers_of
 from indentation_files.readers.units import CHANNELS, to_turn
-from indentation_files.readers.vendor import Unreadable, VendorTest, attempt, unless_all_fail
+from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report, unless_all_fail
 from indentation_files.recording import BARELY_LOADED, Recording
 
 Contact = str | float | Mapping[str, float]
@@ -182,7 +182,7 @@ def zeroed_each(
     chosen = chosen_contacts([test.name for test in tests], contact)
     return unless_all_fail(
         [
-            attempt(path, test.name, zeroed, test, where) if isinstance(test, VendorTest) else test
+            read_or_report(path, test.name, zeroed, test, where) if isinstance(test, VendorTest) else test
             for test, where in zip(tests, chosen, strict=True)
         ]
     )

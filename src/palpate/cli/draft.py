@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 
-from indentation_files.command import column_map, reading_arguments
+from indentation_files.command import reading_arguments
 from palpate.cli import check, path, warn
 
 NAME = "draft"
@@ -54,11 +54,12 @@ def _length(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; print what it will do."""
+    from indentation_files.readers import ColumnMap
     from palpate.draft import lines, readable, study_name, write_study
     from palpate.errors import located_in
 
     with located_in(arguments.files[0]):
-        columns = column_map(arguments)
+        columns = ColumnMap.stated(arguments.columns, arguments.units)
     tests = readable(arguments.files, warn, arguments.contact, arguments.corrections, columns)
     found = write_study(tests, arguments.output, study_name(arguments.output), warn, arguments.law, arguments.sphere)
     for remark in found.remarks:

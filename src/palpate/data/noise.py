@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import toeplitz
 from scipy.special import expit, logit
 
 LARGEST_AUTOCORRELATION = 0.99  # of neighbouring points: it falls to 1/e over 100 points
@@ -172,15 +172,22 @@ def matrix_of(
 
 def point_noise(sigma: float, autocorrelation: float, size: int) -> np.ndarray:
     """Return the covariance (size, size) of the point noise [nm^2]."""
-    return sigma**2 * (toeplitz(autocorrelation ** np.arange(size)) + 1e-6 * np.eye(size))
+    found = (sigma**2 * autocorrelation ** np.arange(size))[_lags(size)]
+    found[np.diag_indices(size)] += 1e-6 * sigma**2
+    return found
 
 
 def slope_by_rho(sigma: float, autocorrelation: float, size: int) -> np.ndarray:
     """Return the derivative (size, size) of the point noise's covariance by logit rho [nm^2]."""
     lags = np.arange(size)
-    return (
-        sigma**2 * toeplitz(lags * autocorrelation ** np.maximum(lags - 1, 0)) * autocorrelation * (1 - autocorrelation)
-    )
+    change = sigma**2 * autocorrelation * (1 - autocorrelation)
+    return (change * lags * autocorrelation ** np.maximum(lags - 1, 0))[_lags(size)]
+
+
+@lru_cache(maxsize=64)
+def _lags(size: int) -> np.ndarray:
+    """Return by how many places the points of a row and a column (size, size) lie apart."""
+    return np.abs(np.subtract.outer(np.arange(size), np.arange(size)))
 
 
 def _first_order(autocorrelation: np.ndarray, size: int, rng: np.random.Generator) -> np.ndarray:

@@ -6,8 +6,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from indentation_files.borne_load import check_borne
-from indentation_files.readers import ColumnMap, Unreadable, VendorTest, messages, read_each, sound, zeroed_each
-from indentation_files.readers.vendor import attempt, first_few
+from indentation_files.readers import (
+    ColumnMap,
+    Unreadable,
+    VendorTest,
+    messages,
+    raise_if_unreadable,
+    read_each,
+    zeroed_each,
+)
+from indentation_files.readers.vendor import first_few, read_or_report
 from indentation_files.recording import STIFFNESS_FOLDER
 from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
@@ -77,7 +85,7 @@ def _folders_beside_files(given: Path) -> list[str]:
 
 def _borne(file: Path, tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unreadable]:
     """Return the tests of a file; one that never bears load becomes one that cannot be read."""
-    return [attempt(file, test.name, _pressed, test) if isinstance(test, VendorTest) else test for test in tests]
+    return [read_or_report(file, test.name, _pressed, test) if isinstance(test, VendorTest) else test for test in tests]
 
 
 def _pressed(test: VendorTest) -> VendorTest:
@@ -95,7 +103,7 @@ def _begun(
     found: list[Drafted | Unreadable] = []
     for test, all_of_it in zip(tests, whole, strict=True):
         try:
-            found.append(Drafted.of(file, sound(test), corrections, sound(all_of_it)))
+            found.append(Drafted.of(file, raise_if_unreadable(test), corrections, raise_if_unreadable(all_of_it)))
         except InputError as error:
             found.append(test if isinstance(test, Unreadable) else Unreadable(test.name, error))
     unreadable = [test for test in found if isinstance(test, Unreadable)]

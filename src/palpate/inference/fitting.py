@@ -81,7 +81,7 @@ class Fitter:
         cheaper, keep = problem.forward.thinned()
         misfit = self._misfit((), self.errors((), problem.forward, starts[0], problem.mean), keep)
         for place in places(misfit, cheaper, starts, self.policy):
-            self.problem = replace(problem, forward=problem.forward.of_record(place))
+            self.problem = replace(problem, forward=problem.forward.reanchored(place))
             try:
                 fit = self.fitted((), [place], problem.mean)
             except PalpateError as error:
@@ -141,11 +141,11 @@ class Fitter:
         if any(fit.errors.between.values()):
             end = descend(self.goal(fit), model, [end], until)
             fit = self.at_end(explanation, model, end, fit.errors)
-        record = model.of_record(end.u)
+        record = model.reanchored(end.u)
         if record is model:
             fit, goal = self._weighed_by(fit, model, misfit)
             end = descend(goal, model, [end], until)
-            record = model.of_record(end.u)
+            record = model.reanchored(end.u)
         if record is not model:
             fit, goal = self._weighed_by(fit, record, misfit)
             end = resumed(goal, record, end, until)
@@ -284,15 +284,15 @@ class Fitter:
             See `palpate.inference.trust_region.descend`, as the errors that are raised.
         """
         left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
-        room = model.together(places[0]) if len(places) > 1 else 1
-        most = max(1, min(self.policy.searches, room // LEAST_STEPS))
+        batch = model.points_per_batch(places[0]) if len(places) > 1 else 1
+        most = max(1, min(self.policy.searches, batch // LEAST_STEPS))
         weights = misfit.weights(misfit.remainder(left))
         good = float(np.sum((weights @ left) ** 2)) + self.policy.without_effect
         ends, failed = list[tuple[float, Descent]](), ""
-        for first in range(0, len(starts), room):
-            some = starts[first : first + room]
+        for first in range(0, len(starts), batch):
+            some = starts[first : first + batch]
             if len(some) > most:
-                some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + room])[:most]]
+                some = [u for _, u in by_misfit(misfit, weights, model, places[first : first + batch])[:most]]
             try:
                 end = descend(misfit, model, some, until)
             except PalpateError as error:

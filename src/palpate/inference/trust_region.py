@@ -166,7 +166,7 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until:
     """Move all searches by one iteration."""
     if not searches:
         return
-    count = max(LEAST_STEPS, model.together(searches[0].u) // len(searches))
+    count = max(LEAST_STEPS, model.points_per_batch(searches[0].u) // len(searches))
     longer = min(GROWTH, 2.0 ** (count - 1))
     tried: list[tuple[Descent, np.ndarray, float]] = []
     ways: dict[Descent, Steps] = {}

@@ -120,7 +120,7 @@ class FiniteElements:
             return self, {c.name: np.ones(len(c.protocol.sample_time), dtype=bool) for c in conditions}
         return replace(self, level=SEARCH), {c.name: kept(c.protocol) for c in conditions}
 
-    def together(self, u: np.ndarray) -> int:
+    def points_per_batch(self, u: np.ndarray) -> int:
         """See `Forward`: as many as fill the lanes of one run."""
         return self._simulated.points_per_batch(u)
 
@@ -142,7 +142,7 @@ class FiniteElements:
                 found.append((curves, self._scaled_slopes(u, outcome[1])))
         return found
 
-    def of_record(self, u: np.ndarray) -> FiniteElements:
+    def reanchored(self, u: np.ndarray) -> FiniteElements:
         """See `Forward`; the same where the anchors lie near, and no mechanism has joined that acts on the body.
 
         Where one has joined that only adds to the depth, the anchors of a pyramid, whose curves cost as much as fifty
@@ -165,7 +165,7 @@ class FiniteElements:
         parts = richardson_at(self._under_others(()), u)
         if not parts.keys() >= {condition.name for condition in self.body.conditions}:
             return None
-        record = self.of_record(u)
+        record = self.reanchored(u)
         return replace(record, anchors=record.anchors and record.anchors.extrapolated(parts, refined=True))
 
     def extrapolated(self, u: np.ndarray) -> tuple[FiniteElements, Curves, Curves] | None:
@@ -174,7 +174,7 @@ class FiniteElements:
             return None
         if any(anchor.slope_correction is not None for anchor in self._anchor.values()):
             return None
-        record = self.of_record(u)
+        record = self.reanchored(u)
         changes = record.refinements
         (tangents,), (finer,) = self.body.at(MEDIUM).tangents([u]), self.body.at(FINE).curves([u])
         (here,) = replace(record, anchors=record.anchors and record.anchors.extrapolated({}))._bodies([u])

@@ -44,7 +44,7 @@ class Forward(Protocol):
     def amplitudes(self, u: np.ndarray) -> dict[str, dict[str, float]]:
         """Return the parameters of each mechanism at coordinates u (k,), by its key."""
 
-    def of_record(self, u: np.ndarray) -> Forward:
+    def reanchored(self, u: np.ndarray) -> Forward:
         """Return the model of record, the most accurate one, anchored near coordinates u (k,)."""
 
     def refined(self, u: np.ndarray) -> Forward | None:
@@ -66,7 +66,7 @@ class Forward(Protocol):
     def refinements(self) -> Mapping[str, np.ndarray]:
         """What the refinement to the model of record changed (n_points,), by condition, where that is known."""
 
-    def together(self, u: np.ndarray) -> int:
+    def points_per_batch(self, u: np.ndarray) -> int:
         """Return how many points near coordinates u (k,) are simulated in about the time of one."""
 
     def curves(self, points: Sequence[np.ndarray]) -> list[Curves | str]:

@@ -19,15 +19,13 @@ from palpate.notebook.study_tests import Given, given_tests
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis
 from palpate.output.saved_set import ALL, SavedSet
-from palpate.solver import store
-from palpate.surrogate import PODRBF
 from palpate.workflow_support.check_study import (
     check_calibration,
     check_diagnosis,
     check_objective,
     check_same_model,
 )
-from palpate.workflow_support.steps import calibrate_study, curves_beside, fit_surrogate
+from palpate.workflow_support.steps import calibrate_study, curves_beside, simulated_surrogates
 
 Report = Callable[[str], None]
 
@@ -78,7 +76,8 @@ def calibrate(
     name, tests = given_tests(chosen, recordings)
     observed = resampled(chosen, tests)
     check_objective(chosen, observed)
-    models = _surrogates(chosen, kept_results() if results is None else Path(results), report)
+    store = (kept_results() if results is None else Path(results)) / "store"
+    models = simulated_surrogates(chosen, store, report)
     report("step 3 of 3: search and least squares")
     found = calibrate_study(chosen, models, observed, report)
     content = found.to_mapping(study=chosen.name, recordings=name, condition_set=ALL)
@@ -147,20 +146,3 @@ def _numbered(report: Report) -> Report:
         report(f"explanation {next(number)} of at most {most}, {line}" if ": expected " in line else line)
 
     return reported
-
-
-def _surrogates(study: Study, results: Path, report: Report) -> dict[str, PODRBF]:
-    """Return the surrogate of each condition that calibrates; those of its snapshots that are missing are simulated."""
-    report("step 1 of 3: snapshots")
-    contents: dict[str, list[dict[str, Any]]] = {}
-    for batch in store.plan(study):
-        found = store.computed(batch.snapshots, results / "store", report)
-        for snapshot, content in zip(batch.snapshots, found, strict=True):
-            contents.setdefault(snapshot.condition, []).append(content)
-    report("step 2 of 3: surrogates")
-    models = {}
-    for name, curves in contents.items():
-        models[name], _, _, summary = fit_surrogate(study, name, curves)
-        if summary["missing"]:
-            report(summary["missing"])
-    return models

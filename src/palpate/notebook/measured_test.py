@@ -9,7 +9,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from matplotlib.axes import Axes
 
 from indentation_files.readers import (
@@ -18,20 +17,20 @@ from indentation_files.readers import (
     Unreadable,
     VendorTest,
     messages,
+    raise_if_unreadable,
     read_each,
     select,
-    sound,
     zeroed_each,
 )
 from indentation_files.readers.vendor import in_words
 from indentation_files.segments import Segment, segments
 from palpate.errors import InputError, located_in
 from palpate.output.figures.recorded_test import by_segment
-from palpate.output.shown import Shown, axes_for, extent, frame_of
+from palpate.output.shown import ShownCurve
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeasuredTest(Shown):
+class MeasuredTest(ShownCurve):
     """A test that was read from a file.
 
     Parameters
@@ -53,9 +52,6 @@ class MeasuredTest(Shown):
 
     name = property(lambda self: self.source.name, doc="Name of the test in its file, or its number.")
     recording = property(lambda self: self.source.recording, doc="The recording from contact on.")
-    time = property(lambda self: self.recording.time, doc="Time [s], shape (n,).")
-    load = property(lambda self: self.recording.load, doc="Load [mN], shape (n,).")
-    depth = property(lambda self: self.recording.depth, doc="Depth [nm], shape (n,).")
     metadata = property(lambda self: self.source.metadata, doc="What the file states, by the vendor's names.")
 
     @property
@@ -69,7 +65,7 @@ class MeasuredTest(Shown):
         """Return extent, segments, corrections, and whatever was noted in reading."""
         parts = [f"{part.kind.replace('_', ' ')} {part.start:.4g} to {part.end:.4g} s" for part in self.segments]
         return [
-            extent(self.recording),
+            self.extent(),
             "; ".join(parts) or "its segments are not found",
             f"corrections in depth: {in_words(self.corrections)}",
             f"the file states {len(self.metadata)} facts about instrument, tip and sample (metadata)",
@@ -78,17 +74,10 @@ class MeasuredTest(Shown):
             *self.remarks,
         ]
 
-    def to_frame(self) -> pd.DataFrame:
-        """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
-        return frame_of(self.recording)
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the load [mN] over the depth [nm], one colour a segment, on `ax` or new axes, and return them."""
-        ax = axes_for(ax)
+    def draw(self, ax: Axes) -> None:
+        """Draw the load over the depth, one colour a segment."""
         by_segment(ax, self.depth, self.load, self.segments)
-        ax.set(xlabel="depth [nm]", ylabel="load [mN]", title=f"{self.file.name}, {self.name}")
-        ax.legend()
-        return ax
+        ax.set_title(f"{self.file.name}, {self.name}")
 
     def __repr__(self) -> str:
         return f"<MeasuredTest {self.name!r} of {self.file.name}>"
@@ -137,7 +126,7 @@ def read_recording(
         names = ", ".join(f"{each.name!r}" for each in tests)
         remedy = "choose one by name or number, test=1, or read all with read_recordings"
         raise InputError(f"holds {len(tests)} tests: {names}", remedy=remedy, file=path)
-    one = sound(tests[0]) if test is None else select(tests, str(test), Path(path), "test")
+    one = raise_if_unreadable(tests[0]) if test is None else select(tests, str(test), Path(path), "test")
     return MeasuredTest(Path(path), one, chosen)
 
 
@@ -159,15 +148,8 @@ def _read(
     if not isinstance(path, str | PathLike):
         raise InputError(f"{type(path).__name__} is no path", remedy="give the path of a file", place="path")
     chosen, file = _corrections(corrections), Path(path)
-    for place, given in (("columns", columns), ("units", units)):
-        if given is not None and not isinstance(given, Mapping):
-            problem = f"{type(given).__name__} is no mapping of channels"
-            raise InputError(problem, remedy="name time, load and depth, such as {'load': ...}", place=place)
-    if units and not columns:
-        raise InputError("units are given without columns", remedy="give columns too", file=file, place="units")
-    named, stated = ({key: str(text) for key, text in (given or {}).items()} for given in (columns, units))
-    whole = read_each(file, corrections=chosen, contact="none", columns=ColumnMap(named, stated) if named else None)
     with located_in(file):
+        whole = read_each(file, None, chosen, "none", ColumnMap.stated(columns, units))
         return zeroed_each(file, whole, contact), chosen
 
 

@@ -7,20 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from matplotlib.axes import Axes
 
 from indentation_files.recording import SYNTHETIC, Recording
 from palpate.base.yaml_file import plain, read_yaml
 from palpate.errors import InputError, PalpateError, located_in
 from palpate.output.figures.style import RECORDED
-from palpate.output.shown import Shown, axes_for, extent, frame_of
+from palpate.output.shown import ShownCurve
 from palpate.solver import simulation
 from palpate.study.specification import Specification
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SimulatedCurve(Shown):
+class SimulatedCurve(ShownCurve):
     """A simulated test.
 
     Parameters
@@ -37,31 +36,19 @@ class SimulatedCurve(Shown):
     recording: Recording
     solver_seconds: float
 
-    time = property(lambda self: self.recording.time, doc="Time [s], shape (n,).")
-    load = property(lambda self: self.recording.load, doc="Load [mN], shape (n,).")
-    depth = property(lambda self: self.recording.depth, doc="Depth [nm], shape (n,).")
-
     def sentences(self) -> list[str]:
         """Return material, extent of the curve, settings and effects."""
         spec = self.specification
         return [
             "material: " + ", ".join(f"{name} {value:.4g}" for name, value in spec.parameters.items()),
-            extent(self.recording),
+            self.extent(),
             f"{spec.kinematics} strains, accuracy {spec.accuracy}, {self.solver_seconds:.3g} s in the solver",
             *(f"with {key}: {dict(values)}" for key, values in spec.mechanisms.items()),
         ]
 
-    def to_frame(self) -> pd.DataFrame:
-        """Return one row a point: time_s, load_mN, depth_nm."""
-        return frame_of(self.recording)
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the load [mN] over the depth [nm] on `ax` or new axes, and return them."""
-        ax = axes_for(ax)
+    def draw(self, ax: Axes) -> None:
+        """Draw the load over the depth, dashed."""
         ax.plot(self.depth, self.load, "--", color=RECORDED, label=f"simulated, {self.specification.model}")
-        ax.set(xlabel="depth [nm]", ylabel="load [mN]")
-        ax.legend()
-        return ax
 
     def __repr__(self) -> str:
         return f"<SimulatedCurve of {self.specification.model} under {self.specification.indenter.shape}>"

@@ -85,9 +85,11 @@ def _tests_of_set(study: Study, name: str) -> dict[str, list[Recording]]:
     if not written_by_workflow(study, name):
         return check(study, name)
     if name in study.laboratory:
-        tests: dict[str, list[Recording]] = {condition.name: [] for condition in study.conditions}
-        for key, recording in virtual.record(study, study.laboratory[name]).items():
-            condition = study.condition(key.rpartition("_")[0])
-            tests[condition.name].append(checked_recording(study, condition, recording))
-        return tests
+        made = virtual.record(study, study.laboratory[name]).items()
+        return {
+            each.name: [
+                checked_recording(study, each, test) for key, test in made if key.rpartition("_")[0] == each.name
+            ]
+            for each in study.conditions
+        }
     return check_source(study)

@@ -41,20 +41,40 @@ def text_table(frame: pd.DataFrame) -> str:
     return html_report.shown(frame).to_string(index=False)
 
 
-def extent(recording: Recording) -> str:
-    """Return how long a recording lasts, and its depth at the largest load."""
-    peak = int(np.argmax(recording.load))
-    return (
-        f"{len(recording)} points in {np.ptp(recording.time):.4g} s; at the largest load, {recording.load[peak]:.4g} "
-        f"mN, the depth is {recording.depth[peak]:.4g} nm"
-    )
+class ShownCurve(Shown):
+    """A recording with its points as arrays, as a table and as a curve."""
 
+    recording: Recording
 
-def frame_of(recording: Recording) -> pd.DataFrame:
-    """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
-    columns = {"time_s": recording.time, "load_mN": recording.load, "depth_nm": recording.depth}
-    more = {} if recording.stiffness is None else {"stiffness_mN_per_nm": recording.stiffness}
-    return pd.DataFrame(columns | more)
+    time = property(lambda self: self.recording.time, doc="Time [s], shape (n,).")
+    load = property(lambda self: self.recording.load, doc="Load [mN], shape (n,).")
+    depth = property(lambda self: self.recording.depth, doc="Depth [nm], shape (n,).")
+
+    def extent(self) -> str:
+        """Return how long the recording lasts, and its depth at the largest load."""
+        peak = int(np.argmax(self.load))
+        return (
+            f"{len(self.recording)} points in {np.ptp(self.time):.4g} s; at the largest load, {self.load[peak]:.4g} "
+            f"mN, the depth is {self.depth[peak]:.4g} nm"
+        )
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a point: time_s, load_mN, depth_nm, and stiffness_mN_per_nm where it was measured."""
+        stiffness = self.recording.stiffness
+        more = {} if stiffness is None else {"stiffness_mN_per_nm": stiffness}
+        return pd.DataFrame({"time_s": self.time, "load_mN": self.load, "depth_nm": self.depth} | more)
+
+    def draw(self, ax: Axes) -> None:
+        """Draw the load over the depth with its labels."""
+        raise NotImplementedError
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the load [mN] over the depth [nm] on `ax` or new axes, and return them."""
+        ax = axes_for(ax)
+        self.draw(ax)
+        ax.set(xlabel="depth [nm]", ylabel="load [mN]")
+        ax.legend()
+        return ax
 
 
 def axes_for(ax: Axes | None) -> Axes:

@@ -179,25 +179,25 @@ def differentiated(
     if not all(specification.indenter.of_revolution for specification in specifications):
         raise axisymmetric_only("derivatives of the curve", "indenter.shape")
     solids = [applied_to_body(specification) for specification in specifications]
-    others = [[applied_to_body(variation.neighbour) for variation in row] for row in perturbed]
-    changing = [
+    bodies = [[applied_to_body(variation.neighbour) for variation in row] for row in perturbed]
+    changes_body = [
         [k for k, other in enumerate(row) if not _same_body(solid, other)]
-        for solid, row in zip(solids, others, strict=True)
+        for solid, row in zip(solids, bodies, strict=True)
     ]
     histories = indent_distinct(
         [_case(solid, radii, few_sectors) for solid in solids],
-        [[_case(row[k], radii, few_sectors) for k in own] for row, own in zip(others, changing, strict=True)],
+        [[_case(row[k], radii, few_sectors) for k in places] for row, places in zip(bodies, changes_body, strict=True)],
     )
     outcomes = []
-    for specification, history, row, own in zip(specifications, histories, perturbed, changing, strict=True):
+    for specification, history, row, places in zip(specifications, histories, perturbed, changes_body, strict=True):
         simulation, columns = _simulation(specification, history), []
         for k, variation in enumerate(row):
-            other = history
-            if k in own:
-                place = own.index(k)
-                other = replace(history, depth=history.depths_beside[place], load=history.loads_beside[place])
-            moved = _simulation(variation.neighbour, other)
-            columns.append((moved.response - simulation.response) / variation.step)
+            neighbour = history
+            if k in places:
+                place = places.index(k)
+                neighbour = replace(history, depth=history.perturbed_depths[place], load=history.perturbed_loads[place])
+            varied = _simulation(variation.neighbour, neighbour)
+            columns.append((varied.response - simulation.response) / variation.step)
         outcomes.append((simulation, np.stack(columns, axis=1)))
     return outcomes
 

@@ -3,27 +3,33 @@
 A calibration simulates curves and derivatives until it has converged, and a diagnosis does so for each explanation;
 neither number is known beforehand. The numbers here are those of the epoxy study, of a small study with three
 mechanisms, and of a drafted study of a public recording (docs/measurements.md) on a free core, at ``accuracy:
-standard``; a study may well take half or twice as long, and a diagnosis of an unsuitable law three times.
-Replicates make the noise known, so that few sets of effects remain likely beside the best one; without them a
-diagnosis fits many. Under a pyramid snapshots and searches are those of the
-equivalent cone, and fits simulate a few curves of the pyramid besides.
+standard``; a study may well take half or twice as long, and a diagnosis of a law with flow that does not suit three
+times. Replicates make the noise known, so that few sets of effects remain likely beside the best one; without them, and
+where tests of an elastic law leave an imprint, a diagnosis fits many. Under a pyramid snapshots and searches are those
+of the equivalent cone, and fits simulate a few curves of the pyramid besides.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
+import numpy as np
+
+from indentation_files.recording_file import read_recording
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import files_of
 from palpate.diagnosis.candidates import candidates
 from palpate.solver.store import conditions_by_shape
 
-CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.05  # s of processor time of one curve of 100 points
+CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.09  # s of processor time of one curve of 100 points
+YIELDS = "yield_stress"  # the parameter of bodies that yield
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
 CALIBRATION = 160  # curves of one condition
 DIAGNOSIS = 280  # curves of one condition in any diagnosis
 EXPLANATION = 14  # further ones for each mechanism that is considered, with replicates
-ALONE = 180  # the same without
+ALONE = 180  # the same without, or where the law cannot suit
+IMPRINT = 0.1  # of the largest depth, chosen: what is left beyond it after unloading is no noise, drift or late contact
 FURTHER = 0.3  # of that, for each further condition: conditions are solved together
 PYRAMID = 21.0 / CREEP  # times that, one curve of the pyramid at few points: of the epoxy 21 s (docs/pyramid.md)
 PYRAMIDS = 3  # such curves of one condition, at most in a calibration (docs/pyramid.md), and about in a diagnosis
@@ -91,15 +97,34 @@ def _calibration(cost: float, conditions: int) -> float:
 
 def _diagnosis(study: Study, cost: float, recordings: str) -> float:
     """Return the time of the diagnosis of a set of recordings [s]."""
-    repeated = len(files_of(study, recordings)) >= 2 * len(study.conditions)
-    curves = DIAGNOSIS + (EXPLANATION if repeated else ALONE) * len(candidates(study))
-    return START + curves * _together(cost, len(study.calibrated))
+    files = files_of(study, recordings)
+    few = len(files) >= 2 * len(study.conditions) and not (_is_elastic(study) and any(map(_left_imprint, files[:1])))
+    names = [{parameter.name for parameter in mechanism.parameters} for mechanism in candidates(study).values()]
+    explained = sum(_cost_of_curve(study, YIELDS in added) for added in names)
+    curves = DIAGNOSIS * cost + (EXPLANATION if few else ALONE) * explained
+    return START + _together(curves, len(study.calibrated))
 
 
-def _cost_of_curve(study: Study) -> float:
-    """Return the processor time of one curve of a study [s]."""
-    declared = study.declared
-    cost = PLASTIC if "yield_stress" in declared else CREEP if len(declared) > 2 else ELASTIC  # modulus, ratio
+def _left_imprint(file: Path) -> bool:
+    """Return whether a test ends deeper than an elastic cone's would at its last load; not where it is to be made yet.
+
+    That depth, a share sqrt(P / P_max) of the largest, is above those of blunter tips.
+    """
+    if not file.is_file():
+        return False
+    test = read_recording(file)
+    elastic = np.sqrt(max(test.load[-1], 0.0) / test.load.max())
+    return bool(test.depth[-1] / test.depth.max() > elastic + IMPRINT)
+
+
+def _is_elastic(study: Study) -> bool:
+    """Return whether a study's law has no parameters but those of elasticity."""
+    return len(study.declared) <= 2
+
+
+def _cost_of_curve(study: Study, yields: bool = False) -> float:
+    """Return the processor time of one curve of a study [s], with a mechanism by which the body `yields`."""
+    cost = PLASTIC if yields or YIELDS in study.declared else ELASTIC if _is_elastic(study) else CREEP
     corners = max(len(condition.protocol.knot_time) for condition in study.conditions) - 4
     return cost * study.points / 100 * (1.0 + CORNERS * max(corners, 0))
 

@@ -13,6 +13,7 @@ import pandas as pd
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.data.study_recordings import observations
+from palpate.errors import PalpateError
 from palpate.inference.calibrate import CalibrationSettings, calibrate
 from palpate.inference.calibration_result import CalibrationOutcome
 from palpate.inference.problem import Problem
@@ -21,8 +22,11 @@ from palpate.observables import OBSERVABLES
 from palpate.solver import store
 from palpate.surrogate import PODRBF
 from palpate.surrogate.genetic import GeneticSettings
-from palpate.surrogate.missing import checked_missing
 from palpate.surrogate.saved import load
+
+MOST_FAILED = 0.2  # of all snapshots; chosen: with more, leave-one-out errors do not show the errors in the gaps
+END = 0.2  # of a range
+MOST_AT_ONE_END = 0.5  # of those in the outer fifth of a parameter's range; chosen: beyond, it is no interpolation
 
 
 def fit_surrogate(
@@ -38,7 +42,7 @@ def fit_surrogate(
     Raises
     ------
     PalpateError
-        When too many snapshots failed, see `palpate.surrogate.missing`.
+        When too many snapshots failed, see `checked_missing`.
     """
     cells, failed = [found["parameters"] for found in contents], [found["status"] != "ok" for found in contents]
     missing = checked_missing(condition, cells, failed)
@@ -62,6 +66,74 @@ def fit_surrogate(
         "failures": failures,
     }
     return model, parameters, curves, summary
+
+
+def checked_missing(condition: str, cells: Sequence[Mapping[str, float]], failed: Sequence[bool]) -> str:
+    """Return how many snapshots failed and where they lie, in a sentence; empty where none did.
+
+    Parameters
+    ----------
+    cells
+        Parameters of all snapshots by name.
+    failed
+        Which of them failed.
+
+    Raises
+    ------
+    PalpateError
+        When too many failed for a surrogate, altogether or at one end of a parameter's range.
+    """
+    lost = np.asarray(failed, dtype=bool)
+    if not lost.any():
+        return ""
+    name, end, share = _worst_end(cells, lost)
+    where = f", {100 * share:.0f} % of those at the {end} end of {name}" if name else ""
+    found = f"{condition}: {lost.sum()} of {len(lost)} snapshots failed{where}"
+    if lost.mean() > MOST_FAILED or share > MOST_AT_ONE_END:
+        raise PalpateError(
+            f"{found}: too many for a surrogate; narrow the ranges of the parameters there (snapshots.csv lists the "
+            "reasons)"
+        )
+    return f"{found}."
+
+
+def _worst_end(cells: Sequence[Mapping[str, float]], lost: np.ndarray) -> tuple[str, str, float]:
+    """Return the parameter, the end of its range (its outer fifth), and what share is lost there, at its largest."""
+    worst = ("", "", 0.0)
+    for name in cells[0]:
+        values = np.array([cell[name] for cell in cells])
+        span = values.max() - values.min()
+        for end, inside in (("lower", values - values.min()), ("upper", values.max() - values)):
+            outer = inside <= END * span
+            if span > 0.0 and (share := float(lost[outer].mean())) > worst[2]:
+                worst = (name, end, share)
+    return worst
+
+
+def simulated_surrogates(study: Study, curves: Path, report: Callable[[str], None]) -> dict[str, PODRBF]:
+    """Return the surrogate of each condition that calibrates; those of its snapshots that are missing are simulated.
+
+    Parameters
+    ----------
+    study
+    curves
+        The folder of the store.
+    report
+        Called with one line on the progress, as the first two steps of three.
+    """
+    report("step 1 of 3: snapshots")
+    contents: dict[str, list[dict[str, Any]]] = {}
+    for batch in store.plan(study):
+        found = store.computed(batch.snapshots, curves, report)
+        for snapshot, content in zip(batch.snapshots, found, strict=True):
+            contents.setdefault(snapshot.condition, []).append(content)
+    report("step 2 of 3: surrogates")
+    models = {}
+    for name, snapshots in contents.items():
+        models[name], _, _, summary = fit_surrogate(study, name, snapshots)
+        if summary["missing"]:
+            report(summary["missing"])
+    return models
 
 
 def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""Internal forces and stiffness at small strains, see `linear`, for `LANES` bodies of one shape at once.
+"""Internal forces and stiffness at small strains, for `LANES` bodies of one shape at once.
 
 The bodies differ in size: lengths are measured in units of one's own, forces in GPa times its square. Then they share
 all that the mesh decides.
@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from palpate.base.inner_kernel import inner_kernel
 from palpate.materials.flow.radial import NOTHING, borne, solve_radial
@@ -24,7 +25,6 @@ from palpate.materials.flow.row import BACK_STRESS, BULK, PRESSED, SPLIT, STATE
 from palpate.solver.axisymmetric.banded import PANEL
 from palpate.solver.axisymmetric.lanes import LANES, load, root, splat, store, where_less
 from palpate.solver.axisymmetric.law_lanes import region_of
-from palpate.solver.axisymmetric.linear import fixed_matrices
 from palpate.solver.axisymmetric.mesh import Mesh
 
 LOWER = np.array([(i, j) for i in range(8) for j in range(i + 1)])
@@ -40,7 +40,7 @@ class Body(NamedTuple):
     gradients, volumes
         See `palpate.solver.axisymmetric.mesh.Mesh`.
     dilatation : ndarray, shape (m, 8)
-        See `palpate.solver.axisymmetric.linear.fixed_matrices`.
+        See `fixed_matrices`.
     stiffness : ndarray, shape (m, 36, 5)
         For each pair `LOWER` of an element's unknowns the stiffness at unit q/rho of each Gauss point, and at unit bulk
         modulus.
@@ -222,3 +222,30 @@ def stiffness(body, points, laws, weights, band):
                     value = value - body.dilatation[e, j] * load(squeeze, i) - body.dilatation[e, i] * load(squeeze, j)
                 store(band, row, value)
                 pair += 1
+
+
+@njit(cache=True)
+def fixed_matrices(gradients, volumes):
+    """Return the matrices M = B^T I_dev B (m, 4, 8, 8) times volume, and the mean rows of tr B (m, 8)."""
+    count = gradients.shape[0]
+    deviatoric = np.zeros((count, 4, 8, 8))
+    dilatation = np.zeros((count, 8))
+    b = np.zeros((4, 8))
+    for e in range(count):
+        volume = volumes[e].sum()
+        for g in range(4):
+            weight = volumes[e, g]
+            for a in range(4):
+                nr, nz, nt = gradients[e, g, 0, a], gradients[e, g, 1, a], gradients[e, g, 2, a]
+                b[0, 2 * a], b[1, 2 * a + 1], b[2, 2 * a] = nr, nz, nt
+                b[3, 2 * a], b[3, 2 * a + 1] = 0.5 * nz, 0.5 * nr
+                dilatation[e, 2 * a] += weight / volume * (nr + nt)
+                dilatation[e, 2 * a + 1] += weight / volume * nz
+            for i in range(8):
+                third = (b[0, i] + b[1, i] + b[2, i]) / 3.0
+                for j in range(8):
+                    value = 2.0 * b[3, i] * b[3, j]
+                    for k in range(3):
+                        value += (b[k, i] - third) * b[k, j]
+                    deviatoric[e, g, i, j] = weight * value
+    return deviatoric, dilatation

@@ -21,7 +21,7 @@ class History:
         Why the history is incomplete; empty when it is whole.
     seconds
         Wall time spent in the solver.
-    depths_beside, loads_beside : ndarray, shape (p, n)
+    perturbed_depths, perturbed_loads : ndarray, shape (p, n)
         Likewise of neighbours, see `palpate.solver.axisymmetric.neighbours`.
     """
 
@@ -29,5 +29,5 @@ class History:
     load: np.ndarray
     reason: str
     seconds: float
-    depths_beside: np.ndarray
-    loads_beside: np.ndarray
+    perturbed_depths: np.ndarray
+    perturbed_loads: np.ndarray

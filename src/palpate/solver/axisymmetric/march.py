@@ -177,7 +177,7 @@ class March:
 
     def in_parts(
         self, states: States, start: States, begin: np.ndarray, end: np.ndarray, parts: np.ndarray, lanes: np.ndarray,
-        beside: Callable[[States, States, np.ndarray, np.ndarray, np.ndarray], None] | None = None,
+        follow: Callable[[States, States, np.ndarray, np.ndarray, np.ndarray], None] | None = None,
     ) -> np.ndarray:  # fmt: skip
         """Bring some lanes from one time to another [s] in equal parts to begin with, halved where it must be.
 
@@ -188,7 +188,7 @@ class March:
         start
             At the time `begin`; spent by this.
         begin, end, parts, lanes : ndarray, shape (LANES,)
-        beside
+        follow
             Called after each part: with the states before and after, both times, and the lanes that found equilibrium.
 
         Returns
@@ -206,8 +206,8 @@ class March:
             target = np.where(time + 1.5 * length > end, end, time + length)
             found = self.step(trial, np.where(going, time, begin), np.where(going, target, end), still, going)
             lost = going & ~found
-            if beside and found.any():
-                beside(start, trial, np.where(going, time, begin), np.where(going, target, end), found)
+            if follow and found.any():
+                follow(start, trial, np.where(going, time, begin), np.where(going, target, end), found)
             start.take(trial, found)
             trial.take(start)
             time = np.where(found, target, time)

@@ -45,7 +45,7 @@ from palpate.solver.axisymmetric.trial_state import Setup
 from palpate.solver.axisymmetric.widening import Widening
 
 
-def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
+def indent_batch(cases: Sequence[Case], perturbed: Sequence[Sequence[Case]] = ()) -> list[History]:
     """Simulate several indentations by indenters of revolution, those of a kind together in SIMD lanes.
 
     One that finds no equilibrium in the smallest parts of a step is simulated again with its innermost rings merged,
@@ -53,7 +53,7 @@ def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -
 
     Parameters
     ----------
-    beside
+    perturbed
         For each case the same with each of some parameters changed a little, see
         `palpate.solver.axisymmetric.neighbours`.
 
@@ -70,55 +70,55 @@ def indent_batch(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -
         members.sort(key=lambda number: len(cases[number].times))
         for first in range(0, len(members), LANES):
             chosen = members[first : first + LANES]
-            others = [beside[number] for number in chosen] if beside else []
+            others = [perturbed[number] for number in chosen] if perturbed else []
             histories |= zip(chosen, _with_neighbours([cases[number] for number in chosen], others), strict=True)
     again = [number for number, case in enumerate(cases) if histories[number].reason and case.mergeable]
     if again:
         wider = [replace(cases[number], merged=cases[number].merged + 1) for number in again]
         others = [
-            [replace(other, merged=case.merged) for other in beside[number]]
+            [replace(other, merged=case.merged) for other in perturbed[number]]
             for number, case in zip(again, wider, strict=True)
-            if beside
+            if perturbed
         ]
         histories |= zip(again, indent_batch(wider, others), strict=True)
     return [history for _, history in sorted(histories.items())]
 
 
-def _with_neighbours(cases: Sequence[Case], beside: Sequence[Sequence[Case]]) -> list[History]:
+def _with_neighbours(cases: Sequence[Case], perturbed: Sequence[Sequence[Case]]) -> list[History]:
     """Simulate 1 to `LANES` cases of one kind with their neighbours, which share out the lanes that are left."""
-    count = max(map(len, beside), default=0)
+    count = max(map(len, perturbed), default=0)
     if not count:
         return run_lanes(cases)
     copies = LANES // len(cases)
     rows = -(-count // copies)
     lanes = [case for case in cases for _ in range(copies)]
-    others = [[*row, *[case] * (rows * copies - len(row))] for case, row in zip(cases, beside, strict=True)]
+    others = [[*row, *[case] * (rows * copies - len(row))] for case, row in zip(cases, perturbed, strict=True)]
     ran = run_lanes(lanes, [[o for row in others for o in row[k * copies : (k + 1) * copies]] for k in range(rows)])
     histories = []
-    for first, row in zip(range(0, len(lanes), copies), beside, strict=True):
+    for first, row in zip(range(0, len(lanes), copies), perturbed, strict=True):
         places = [divmod(parameter, copies) for parameter in range(len(row))]
         own, points = ran[first], len(ran[first].depth)
-        depths = [ran[first + lane].depths_beside[place] for place, lane in places]
-        loads = [ran[first + lane].loads_beside[place] for place, lane in places]
+        depths = [ran[first + lane].perturbed_depths[place] for place, lane in places]
+        loads = [ran[first + lane].perturbed_loads[place] for place, lane in places]
         histories.append(
             replace(
                 own,
                 seconds=copies * own.seconds,
-                depths_beside=np.reshape(depths, (len(row), points)),
-                loads_beside=np.reshape(loads, (len(row), points)),
+                perturbed_depths=np.reshape(depths, (len(row), points)),
+                perturbed_loads=np.reshape(loads, (len(row), points)),
             )
         )
     return histories
 
 
 def run_lanes(
-    cases: Sequence[Case], beside: Sequence[Sequence[Case]] = (), observe: Callable[[Moment], None] | None = None
+    cases: Sequence[Case], perturbed: Sequence[Sequence[Case]] = (), observe: Callable[[Moment], None] | None = None
 ) -> list[History]:
     """Simulate 1 to `LANES` indentations of one kind.
 
     Parameters
     ----------
-    beside
+    perturbed
         For each of some parameters the same indentations with that parameter changed a little, which are carried along
         on the same meshes and in the same steps, see `palpate.solver.axisymmetric.neighbours`.
     observe
@@ -127,12 +127,12 @@ def run_lanes(
     began = clock.perf_counter()
     for case in cases:
         check_size(case.specimen, case.indenter, case.resolution, case.contacts[1])
-    lanes, others = padded(cases), [padded(row) for row in beside]
+    lanes, others = padded(cases), [padded(row) for row in perturbed]
     units = np.array([case.radii[0] for case in lanes])
     mesh = polar_mesh(lanes[0].shape, lanes[0].resolution.sectors)
     body = Body.of(mesh)
     system = System.of(body, not any(case.indenter.friction for case in lanes))
-    tolerance = TIGHT if beside else TOLERANCE
+    tolerance = TIGHT if perturbed else TOLERANCE
     march, states = begun(lanes, lanes, mesh, body, units, system, tolerance)
     neighbours = Neighbours.of(march, [begun(row, lanes, mesh, body, units, system, tolerance) for row in others])
     counts = np.array([len(case.times) for case in lanes])
@@ -152,12 +152,12 @@ def run_lanes(
         going = alive & (sticking | (k >= unloaded))
         usual = trend.guess(end - begin, carries[k])
         found = march.step(states, begin, end, widening.guess(k, states, trend.last, usual, going & ~sticking), going)
-        if beside:
+        if perturbed:
             neighbours.follow(start, states, begin, end, found)
         lost = going & ~found
         if lost.any():
             parts = np.where(carries[k], 1, 2)
-            found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if beside else None)
+            found |= march.in_parts(states, start, begin, end, parts, lost, neighbours.follow if perturbed else None)
         if lanes[0].large:
             found &= upright(mesh, states.displacement)
         going &= found | (k >= unloaded)

@@ -4,7 +4,7 @@ All are chosen. `WIDTH` and `STIFFNESS` make the scatter of the depth over offse
 elastic and creeping bodies and 2e-4 in yielding ones; in a body that flows under a small share of the elastic pressure
 the pressure ends abruptly at the edge of contact, which asks for a wider and softer one. `BLEND` then makes the depth
 at fixed load that of a mesh of infinitely many elements, to first order in their size; the part of the sectors makes up
-for a body that few of them leave too stiff. `tests/test_ripple.py` and `tests/mesh_levels.py` measure both.
+for a body that few of them leave too stiff. `tests/helpers/ripple.py` and `tests/helpers/mesh_levels.py` measure both.
 """
 
 from __future__ import annotations

@@ -26,16 +26,16 @@ from palpate.study.protocol import LOAD
 CLOSE = 1e-12  # relative, within which histories are in proportion
 
 
-def indent_distinct(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()) -> list[History]:
+def indent_distinct(cases: Sequence[Case], perturbed: Sequence[Sequence[Case]] = ()) -> list[History]:
     """Simulate all cases; those that differ in size alone once, and share the solver's wall time evenly.
 
     Parameters
     ----------
-    beside
+    perturbed
         Neighbours of each case, see `palpate.solver.axisymmetric.march_cases.indent_batch`; those of cases that are
         simulated once must differ as they do.
     """
-    rows = beside or [()] * len(cases)
+    rows = perturbed or [()] * len(cases)
     distinct: list[int] = []
     places = []
     for number, case in enumerate(cases):
@@ -45,7 +45,7 @@ def indent_distinct(cases: Sequence[Case], beside: Sequence[Sequence[Case]] = ()
             distinct.append(number)
         places.append((place, ratio))
     shared = Counter(place for place, _ in places)
-    ran = indent_batch([cases[k] for k in distinct], [rows[k] for k in distinct] if beside else ())
+    ran = indent_batch([cases[k] for k in distinct], [rows[k] for k in distinct] if perturbed else ())
     histories = [replace(h, seconds=h.seconds / shared[k]) for k, h in enumerate(ran)]
     return [_enlarged(histories[k], ratio) for k, ratio in places]
 
@@ -73,8 +73,8 @@ def _enlarged(history: History, ratio: float) -> History:
         history,
         depth=ratio * history.depth,
         load=ratio**2 * history.load,
-        depths_beside=ratio * history.depths_beside,
-        loads_beside=ratio**2 * history.loads_beside,
+        perturbed_depths=ratio * history.perturbed_depths,
+        perturbed_loads=ratio**2 * history.perturbed_loads,
     )
 
 

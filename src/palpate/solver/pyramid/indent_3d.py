@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,9 +18,9 @@ from palpate.solver.axisymmetric.history import History
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.axisymmetric.regions import resolved
 from palpate.solver.pyramid.adhesion_3d import nodal_areas
-from palpate.solver.pyramid.eased import advance_or_ease
 from palpate.solver.pyramid.march_3d import march_by
 from palpate.solver.pyramid.mesh_3d import wedge_mesh
+from palpate.solver.pyramid.newton_3d import advance
 from palpate.solver.pyramid.problem_3d import Problem3D, State, Workspace
 from palpate.solver.pyramid.shell import shell
 from palpate.solver.pyramid.tip_3d import tip_of
@@ -33,6 +34,7 @@ RESOLUTIONS = {
     "fine": Resolution(growth=1.07, sectors=15, far=4000.0, outer_growth=1.2, refine=2),
     "finest": Resolution(growth=1.06, sectors=18, far=4000.0, outer_growth=1.2, refine=3),
 }
+LEAST_PART = 1 / 32  # of the attraction, the least growth that is tried
 
 
 @on_one_thread
@@ -94,3 +96,30 @@ def indent_3d(
             before = None
     load = np.where(np.isnan(depth), np.nan, protocol.sample_load)
     return History(depth, load, reason, clock.perf_counter() - began, *np.empty((2, 0, len(depth))))
+
+
+def advance_or_ease(
+    problem: Problem3D, work: Workspace, scale: float, state: State, time: float, load: float, guess: State
+) -> State:
+    """Do what `advance` does; where attraction keeps it from converging, let that grow in parts.
+
+    Each part repeats the whole step and begins where the part before it ended, so only the last one counts. Arguments,
+    result and errors are those of `palpate.solver.pyramid.newton_3d.advance`.
+    """
+    try:
+        return advance(problem, work, scale, state, time, load, guess)
+    except ConvergenceError:
+        if (adhesion := problem.adhesion) is None:
+            raise
+    done, more, guess = -0.25, 0.25, state
+    while done < 1.0:
+        part = min(done + more, 1.0)
+        eased = replace(problem, adhesion=adhesion.weakened(part))
+        try:
+            guess = advance(eased, work, scale, state, time, load, guess)
+            done, more = part, 1.5 * more
+        except ConvergenceError:
+            more *= 0.5
+            if more < LEAST_PART or done < 0.0:
+                raise
+    return guess
