@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import results_of
 import yaml
-from test_config import STUDY, TRUTH
+from study_file import STUDY, TRUTH
 
 from indentation_files.recording import Recording
 from palpate.cli.main import main

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from test_config import STUDY
+from study_file import STUDY
 
 from indentation_files.uniaxial_test import MOST, UniaxialTest, read_uniaxial
 from palpate.cli.main import main

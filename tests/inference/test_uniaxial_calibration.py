@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from closed_forms import ClosedForms, cone
-from test_diagnosis import CONDITIONS, SCALE, recordings
+from diagnosis_problem import CONDITIONS, SCALE, recordings
 
 from indentation_files.uniaxial_test import UniaxialTest
 from palpate.configuration.study_file import load_study
@@ -21,7 +21,7 @@ from palpate.models.finite_elements import FiniteElements
 from palpate.study.indenter import Indenter
 from palpate.study.specification import Specification
 
-CHALLENGE = Path(__file__).parents[1] / "config" / "challenge.yaml"
+CHALLENGE = Path(__file__).parents[2] / "config" / "challenge.yaml"
 TIME = np.linspace(0.0, 60.0, 121)
 STRAIN = 0.02 * TIME / 60.0
 E = 3.0

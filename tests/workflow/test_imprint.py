@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import results_of
 import yaml
-from test_config import STUDY
+from study_file import STUDY
 
 from indentation_files.imprint_profile import ImprintProfile, read_imprint
 from palpate.cli.main import main
