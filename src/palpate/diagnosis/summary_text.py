@@ -20,6 +20,8 @@ def sentence(content: Mapping[str, Any]) -> str:
     verdict, law = content["verdict"], _law(content)
     if verdict == "adequate":
         claim = "The base model describes the recordings; no effect of the library is needed beside it."
+        if content["law_within_tolerance"] is not True:
+            claim = "No effect of the library is certain, nor that the base model describes the recordings without one."
         return f"{claim}{law}{_open(content)}{_next_test(content, _hidden(content))}"
     if verdict == "unexplained":
         claim = "No set of known mechanisms that was tried describes the recordings: something else is missing."
