@@ -76,6 +76,9 @@ def test_how_far_the_law_is_off_is_said_with_what_it_resembles_and_the_tolerance
     assert "more than the tolerance of the study" in sentence(content("unexplained"))
     undecided = sentence(content("identified", DRIFT) | {"law_within_tolerance": "undecided"})
     assert "is undecided" in undecided
+    neither = sentence(content("adequate") | {"law_within_tolerance": "undecided"})
+    assert "describes the recordings;" not in neither
+    assert "No effect of the library is certain" in neither
     assert "departs from the law" not in sentence(content("adequate") | {"discrepancy": None}), "an exact law"
 
 
