@@ -46,9 +46,9 @@ def crossovers(measure: np.ndarray, relative: np.ndarray) -> list[np.ndarray]:
     """Return columns (n, 3) of responses that cross over between two neighbours of `CROSSINGS`, for each such pair.
 
     A body or tip with one length has one stiffness far below it and another one far above, and so has an instrument
-    with a load of its own. To first order the depth h at a length l gains a share of h / (1 + h / l), if the law is
-    that of large depths; if it is that of small ones, this less h, and so a third column is in proportion to the depth.
-    What of the first two is not, as a stiffness is, has a root mean square of one.
+    with a load of its own. To first order the depth h at a length l gains a share of h / (1 + h / l). The law may be
+    that of the largest depth tested, where nothing is gained then, or that of the smallest: a third column is in
+    proportion to the depth. What of the first two is not, as a stiffness is, has a root mean square of one.
 
     Parameters
     ----------
@@ -57,12 +57,14 @@ def crossovers(measure: np.ndarray, relative: np.ndarray) -> list[np.ndarray]:
     relative : ndarray, shape (n,)
         Depth over the largest one so far.
     """
-    columns = relative[:, None] / (1.0 + measure[:, None] / (CROSSINGS * measure.max()))
+    gained = 1.0 / (1.0 + measure[:, None] / (CROSSINGS * measure.max()))
+    last = 1.0 / (1.0 + 1.0 / CROSSINGS)
+    columns = relative[:, None] * (gained - last)
     beside = columns - np.outer(relative, relative @ columns / (relative @ relative))
     sizes = np.sqrt(np.mean(beside**2, axis=0))
-    columns = columns / sizes
+    columns, whole = columns / sizes, (1.0 - last) / sizes
     pairs = range(len(CROSSINGS) - 1)
-    return [np.column_stack([columns[:, k], columns[:, k + 1], relative / sizes[k : k + 2].mean()]) for k in pairs]
+    return [np.column_stack([columns[:, [k, k + 1]], whole[[k, k + 1]].mean() * relative]) for k in pairs]
 
 
 @lru_cache(maxsize=32)
