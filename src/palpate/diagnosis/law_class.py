@@ -26,7 +26,7 @@ from palpate.study.prescribed_segments import segments
 
 CLASSES = ("scaling", "length", "clock", "reversal")
 APART = 1.2  # ratio of loads, or of durations, from which on tests tell a length from the law, or a clock from both
-PRIOR = np.log(1.0 / 5.0)  # of each class, none among them
+SMALLEST = 1e-9  # of the largest depth: before a delayed load acts there is none
 
 
 def discrepancy(fit: Fit) -> dict[str, Any] | None:
@@ -41,7 +41,8 @@ def discrepancy(fit: Fit) -> dict[str, Any] | None:
     rows, first, likely = [], 0, fit.errors.of_simulation @ cho_solve((fit.factor, True), fit.residual)
     for condition in fit.problem.conditions:
         curve = fit.problem.split(fit.curve)[condition.name]
-        relative = likely[first : first + len(curve)] / np.maximum.accumulate(np.abs(curve))
+        largest = np.maximum.accumulate(np.abs(curve))
+        relative = likely[first : first + len(curve)] / np.maximum(largest, SMALLEST * largest[-1])
         for segment, where in segments(condition.protocol).items():
             for part, half in zip(("early", "late"), np.array_split(np.flatnonzero(where), 2), strict=True):
                 share = float(np.sqrt(np.mean(relative[half] ** 2)))
