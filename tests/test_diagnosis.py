@@ -8,7 +8,7 @@ import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms, cone, rounded
 from scipy.linalg import toeplitz
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.contrasts import Replicates, contrasts
 from palpate.data.noise_fit import fit_noise
 from palpate.data.observation import Observation

@@ -70,7 +70,7 @@ def _only_set(study: Study) -> str:
 
 
 def _only_condition(study: Study) -> str:
-    names = [condition.name for condition in study.conditions]
+    names = list(study.tested)
     if len(names) == 1:
         return names[0]
     remedy = f"give tests by the name of their condition: {{{names[0]!r}: [...], ...}}"
@@ -85,9 +85,10 @@ def _tests_of_set(study: Study, name: str) -> dict[str, list[Recording]]:
     if not written_by_workflow(study, name):
         return check(study, name)
     if name in study.laboratory:
-        tests: dict[str, list[Recording]] = {condition.name: [] for condition in study.conditions}
+        tested = study.tested
+        tests: dict[str, list[Recording]] = {name: [] for name in tested}
         for key, recording in virtual.record(study, study.laboratory[name]).items():
-            condition = study.condition(key.rpartition("_")[0])
+            condition = tested[key.rpartition("_")[0]]
             tests[condition.name].append(checked_recording(study, condition, recording))
         return tests
     return check_source(study)

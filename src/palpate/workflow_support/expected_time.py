@@ -91,7 +91,7 @@ def _calibration(cost: float, conditions: int) -> float:
 
 def _diagnosis(study: Study, cost: float, recordings: str) -> float:
     """Return the time of the diagnosis of a set of recordings [s]."""
-    repeated = len(files_of(study, recordings)) >= 2 * len(study.conditions)
+    repeated = len(files_of(study, recordings)) >= 2 * len(study.tested)
     curves = DIAGNOSIS + (EXPLANATION if repeated else ALONE) * len(candidates(study))
     return START + curves * _together(cost, len(study.calibrated))
 
