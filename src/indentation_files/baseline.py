@@ -16,7 +16,6 @@ import numpy as np
 TIMES = (0.002, 0.005, 0.012, 0.03, 0.07, 0.16)  # of transients, as shares of the fit's duration
 # Prior standard deviations of the coefficients, in ranges of the load; an offset is free, and zero is held.
 DEVIATIONS = {"zero": 1e-6, "offset": 1e3, "tilt": 0.5, "drift": 0.5, "cosine": 0.05, "sine": 0.05, "transient": 0.2}
-PERIODS = 1.0  # of a wave in air, at least, chosen: with less it is no wave, but a curve of any shape
 MOST_CYCLES = 60.0  # of a wave over the points before contact
 FOR_OFFSET, FOR_SLOPE, FOR_CURVE = 3, 6, 30  # points in air, chosen
 BESIDE = (-0.2, -0.1, -0.05, 0.0, 0.05, 0.1, 0.2)  # cycles over the span, about the frequency found
@@ -88,7 +87,7 @@ def values(term: Term, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
 
 
 def waves_in(
-    residual: np.ndarray, weight: np.ndarray, time: np.ndarray, depth: np.ndarray, in_air: int
+    residual: np.ndarray, weight: np.ndarray, time: np.ndarray, depth: np.ndarray
 ) -> tuple[tuple[str, float], ...]:
     """Return the strongest wave in the residual of a fit, in depth and in time, with neighbouring frequencies.
 
@@ -102,18 +101,14 @@ def waves_in(
         One over the standard deviation of each point.
     time, depth : ndarray, shape (n,)
         [s], [nm].
-    in_air
-        Number of points before contact.
     """
     found: list[tuple[str, float]] = []
     for axis, along in (("depth", depth), ("time", time)):
-        span, air = (float(np.ptp(part)) if len(part) else 0.0 for part in (along, along[:in_air]))
-        if len(residual) < 12 or air <= 0:
+        span = float(np.ptp(along))
+        if len(residual) < 12 or span <= 0:
             continue
         straight = np.linalg.qr(weight[:, None] * np.column_stack([np.ones_like(along), along]))[0]
-        frequency = np.arange(PERIODS * span / air, min(MOST_CYCLES, len(residual) / 3), 0.1) / span
-        if not len(frequency):
-            continue
+        frequency = np.arange(0.5, min(MOST_CYCLES, len(residual) / 3), 0.1) / span
         phase = 2 * np.pi * along[:, None] * frequency
         cosine, sine = (_orthogonal(straight, weight[:, None] * wave(phase)) for wave in (np.cos, np.sin))
         projected = _orthogonal(straight, (weight * residual)[:, None])[:, 0]

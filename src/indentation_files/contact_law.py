@@ -5,9 +5,8 @@ With :math:`x = (h - h_0) / (h_e - h_0)`, the way into the body as a share of th
     P / P_e = x^m              flat punch m = 1, Hertz's sphere 3/2, Sneddon's cone 2,
     P / P_e ~ x^{3/2}, then (x + c/3)^2 beyond x = c      a sphere that passes into a cone.
 
-The last is the law of every real pyramid; its value and slope are continuous at c. Larger exponents stand for a body
-that stiffens, or lies under a soft layer. Sources: I.N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47-57 (m of flat,
-paraboloid and cone); the rounded cone by matching Hertz's value and slope.
+The last is the law of every real pyramid; its value and slope are continuous at c. Sources: I.N. Sneddon, Int. J. Eng.
+Sci. 3 (1965) 47-57 (m of flat, paraboloid and cone); the rounded cone by matching Hertz's value and slope.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 NAMED = (1.0, 1.5, 2.0)  # exponents of punch, sphere and cone
-STEEPEST = 4.0  # largest exponent on trial, chosen: so rises the load of a body under a soft layer
+STEEPEST = 2.5  # largest exponent on trial
 ON_NAMED, ON_EXPONENTS, ON_CAPS = 0.17, 0.24, 0.25  # prior weights: each named law, all exponents, all rounded cones
 SHALLOWEST_CAP = 0.02  # least c on trial
 LEFT = 1e-4  # of the largest weight, with which a law stays on trial

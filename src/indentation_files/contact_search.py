@@ -130,9 +130,7 @@ def _in_series(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:
 def _with_waves(baselines: Baselines, blocks: Blocks, loads: np.ndarray, white: float) -> Baselines:
     """Return baselines with the waves that a law's loads (n,) leave in the blocks."""
     deviation = np.sqrt(white**2 / blocks.count + (UNSURE * loads) ** 2)
-    in_air = int(np.argmax(loads > 0.0))
-    waves = waves_in(blocks.load - loads, 1 / deviation, blocks.time, blocks.depth, in_air)
-    return replace(baselines, waves=waves)
+    return replace(baselines, waves=waves_in(blocks.load - loads, 1 / deviation, blocks.time, blocks.depth))
 
 
 def begins_in_air(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> bool:

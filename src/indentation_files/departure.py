@@ -53,12 +53,12 @@ class Departure:
         """Return a contact and its interval [nm]: these, or others where the load in air contradicts them.
 
         It does where contact lies beyond air, or the whole interval long before the load leaves the air. The interval
-        then holds both. One that begins only where the load stands clear begins with the steepest law instead.
+        then holds both.
         """
         farthest = self.clear - LONG * (self.clear - self.earliest)
         if contact > self.loaded or upper < farthest:
             return self.likely, min(farthest, self.likely, lower), max(self.loaded, upper)
-        return contact, min(lower, self.earliest) if lower > self.clear else lower, upper
+        return contact, lower, upper
 
 
 def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
