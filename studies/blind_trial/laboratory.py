@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from indentation_files.recording import SYNTHETIC, Recording
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.laboratory.virtual import correlated_noise, off_the_mesh
 from palpate.mechanisms import MECHANISMS
 from studies.blind_trial.cases import Case

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from palpate.classical.viscoelastic_depth import Compliance
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.mechanisms import MECHANISMS, Mechanism, Scale
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol

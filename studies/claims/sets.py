@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.explanations import may_act_together
 from palpate.mechanisms import MECHANISMS

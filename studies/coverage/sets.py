@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from palpate.classical.viscoelastic_depth import Compliance
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.mechanisms.draws import log_uniform
 from palpate.study.protocol import trapezoid

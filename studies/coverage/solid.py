@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.models.forward import Curves

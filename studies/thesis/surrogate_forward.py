@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.errors import InputError
 from palpate.mechanisms import Mechanism, Scale

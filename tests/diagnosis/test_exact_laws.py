@@ -8,7 +8,7 @@ from creep_holds import held_low
 from load_cycles import cycles
 
 from indentation_files.recording import Recording
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.diagnosis import exact_constraints
 from palpate.diagnosis.constraints import laws_of
 from palpate.diagnosis.exact_constraints import MOST_POINTS, ExactLaws

@@ -5,7 +5,7 @@ import pytest
 from wilson import wilson
 
 from indentation_files.recording import Recording
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
 from palpate.diagnosis.fact import Fact, in_words, suggestive

@@ -9,7 +9,7 @@ from closed_forms import MATERIAL, TRUTH, ClosedForms, cone
 from diagnosis_problem import CONDITIONS, fitted, recordings
 from diagnosis_problem import problem as task
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.noise import NoiseModel
 from palpate.data.observation import Observation
 from palpate.diagnosis.diagnosis_result import curves, summary

@@ -6,7 +6,7 @@ import numpy as np
 from closed_forms import TRUTH, ClosedForms, cone
 from scipy.linalg import toeplitz
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.search import Search
 from palpate.inference.problem import Problem

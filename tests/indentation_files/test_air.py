@@ -14,7 +14,7 @@ from indentation_files.readers.zero import decision, zeroed, zeroed_each
 from indentation_files.recording import Recording
 from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.errors import InputError
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver.study_scale import with_contact_sought

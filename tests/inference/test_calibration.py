@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from indentation_files.recording import Recording
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.measures import error_measures, mean_square, relative
 from palpate.data.observation import Observation
 from palpate.errors import InputError, PalpateError

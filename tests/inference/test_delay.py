@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.search import Search
 from palpate.inference.problem import Problem

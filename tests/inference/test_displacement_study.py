@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from indentation_files.recording import Recording
-from palpate.configuration.study_file import Condition, load_study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import load_study
 from palpate.data.measures import error_measures
 from palpate.data.observation import Observation
 from palpate.data.recording_checks import check_drive

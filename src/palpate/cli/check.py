@@ -55,12 +55,13 @@ def examined(study: Study) -> Iterator[str]:
 
     def look(name: str, condition: str, tests: list[Recording]) -> None:
         counts[name][condition] = len(tests)
-        remarks[name].extend(anomalies(study.condition(condition), tests))
+        remarks[name].extend(anomalies(tested[condition], tests))
 
+    tested = study.tested
     checked(study, look)
     for condition, tests in (study.source_tests() if study.source else {}).items():
         said = remarks[study.source["recordings"]]
-        said.extend(misstated(study.condition(condition), [test.recording for test in tests]))
+        said.extend(misstated(tested[condition], [test.recording for test in tests]))
         said.extend(f"{test.name}: {warning}" for test in tests for warning in test.warnings)
     counts = {name: seen or tests_to_come(study, name) for name, seen in counts.items()}
     yield from _described(study, counts, remarks)
@@ -74,16 +75,19 @@ def _described(
     from palpate.data.study_recordings import written_by_workflow
     from palpate.models.imprints import imprints
     from palpate.solver.store import conditions_by_shape
-    from palpate.workflow_support.data_quality import passed_over
+    from palpate.workflow_support.data_quality import cycles_to_hold_out, passed_over
 
     calibrated, materials = [condition.name for condition in study.calibrated], len(study.cells)
-    plural, count = "s" if len(study.conditions) > 1 else "", materials * len(calibrated)
-    yield f"{study.file}: {materials} materials, {len(study.conditions)} condition{plural}, {count} snapshots"
-    for conditions in conditions_by_shape(study):
-        if len(conditions) > 1:
-            yield f"{', '.join(c.name for c in conditions)} differ in size alone: one simulation gives them all"
+    conditions, count = len(study.tested), materials * len(calibrated)
+    plural = "s" if conditions > 1 else ""
+    yield f"{study.file}: {materials} materials, {conditions} condition{plural}, {count} snapshots"
+    for alike in conditions_by_shape(study):
+        if len(alike) > 1:
+            yield f"{', '.join(c.name for c in alike)} differ in size alone: one simulation gives them all"
     held_out = ", ".join(c.name for c in study.conditions if c.role == "validate") or "no condition"
     yield f"calibrated on {', '.join(calibrated)}; validated on {held_out}"
+    if held_out == "no condition":
+        yield from cycles_to_hold_out(study)
     yield from map(_bulk_test, bulk_tests(study))
     for imprint in imprints(study):
         profile = imprint.profile

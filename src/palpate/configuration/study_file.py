@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
+from palpate.configuration.condition import Condition, conditions_of_entry
 from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
@@ -21,9 +24,7 @@ from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
 from palpate.mechanisms import checked_mechanisms, known
-from palpate.observables import Observable, response_to
 from palpate.study.indenter import Indenter
-from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
 SHARED = (  # names in results that belong to no study
@@ -34,37 +35,6 @@ TAKEN_AS_THEY_ARE = (
     "accuracy", "calibration", "cells_per_job", "challenge", "design", "diagnosis", "kinematics", "points", "seed",
     "surrogate",
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Condition:
-    """One loading condition of a study.
-
-    Parameters
-    ----------
-    name
-        Such as ``P1.00_T030``; recordings of it are ``NAME_REPLICATE.csv``.
-    role
-        ``calibrate``, or ``validate``: held out of calibrations, to validate them.
-    protocol
-        What is prescribed, and sampling times.
-    follows
-        What the history was taken from, `palpate.configuration.prescribed_history.RECORDED` or a file; empty where
-        numbers prescribe it.
-    own_loads
-        Whether recordings of it reach loads of their own, as under depth or strain-rate control.
-    """
-
-    name: str
-    role: str
-    protocol: Protocol
-    follows: str = ""
-    own_loads: bool = False
-
-    @property
-    def observable(self) -> Observable:
-        """What its tests are compared by."""
-        return response_to(self.protocol)
 
 
 @dataclass(frozen=True)
@@ -87,7 +57,7 @@ class Study:
     indenter, kinematics, accuracy, points
         How a snapshot is simulated.
     conditions
-        All loading conditions.
+        All loading conditions; the parts of one that are held out follow it as a condition ``NAME.held_out``.
     condition_sets
         Names of the conditions that each calibration uses; ``all`` is always there.
     recordings, evidence
@@ -146,6 +116,19 @@ class Study:
     def calibrated(self) -> list[Condition]:
         """Conditions with the role ``calibrate``."""
         return [condition for condition in self.conditions if condition.role == "calibrate"]
+
+    @property
+    def tested(self) -> dict[str, Condition]:
+        """Conditions of which there are recordings, by name, each sampled over the whole test."""
+        samples: dict[str, list[np.ndarray]] = {}
+        for each in self.conditions:
+            samples.setdefault(each.test, []).append(each.protocol.sample_time)
+        whole = {name: np.sort(np.concatenate(times)) for name, times in samples.items()}
+        return {
+            each.name: replace(each, protocol=replace(each.protocol, sample_time=whole[each.name]))
+            for each in self.conditions
+            if not each.part_of
+        }
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`."""
@@ -227,7 +210,9 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     laboratory = settings.get("laboratory", {})
     measured = {name: folder for name, folder in recordings.items() if name not in laboratory}
     histories = Histories(settings["points"], measured, source, tests)
-    conditions = tuple(_condition(k, entry, histories) for k, entry in enumerate(values["conditions"]))
+    least = 1 + sum(len(each) > 1 for each in levels.values())
+    entries = enumerate(values["conditions"])
+    conditions = tuple(each for k, entry in entries for each in conditions_of_entry(k, entry, histories, least))
     names = [condition.name for condition in conditions]
     for name in names:
         if names.count(name) > 1:
@@ -268,13 +253,6 @@ def _check_laboratories(study: Study) -> None:
             study.specification(settings["parameters"], study.conditions[0])
         with part_of(place):
             checked_mechanisms(settings.get("mechanisms"))
-
-
-def _condition(index: int, entry: Mapping[str, Any], histories: Histories) -> Condition:
-    with part_of(f"conditions[{index}] ({entry['name']})"):
-        protocol = histories.protocol(entry)
-    follows, own_loads = entry.get("load_history", ""), entry.get("own_loads", False)
-    return Condition(entry["name"], entry.get("role", "calibrate"), protocol, follows, own_loads)
 
 
 def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition, ...]) -> dict[str, tuple[str, ...]]:

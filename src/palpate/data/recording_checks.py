@@ -9,7 +9,8 @@ import numpy as np
 
 from indentation_files.readers.units import CHANNELS, to_turn
 from indentation_files.recording import Recording
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.data.observation import WHOLE
 from palpate.errors import InputError
 from palpate.study.alignment import aligned, stretched

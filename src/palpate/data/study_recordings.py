@@ -33,7 +33,7 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
         missing = "the folder is missing" + ("" if folder.is_absolute() else f" below {Path.cwd()}")
         problem = "is a file, no folder" if folder.exists() else missing
         raise InputError(problem, remedy=f"correct recordings.{name} in {study.file}", file=folder)
-    names = [condition.name for condition in study.conditions]
+    names = list(study.tested)
     found: dict[str, list[Path]] = {name: [] for name in names}
     for file in recording_files(folder):
         if file.stem in names:
@@ -77,12 +77,13 @@ def check(study: Study, name: str, look: Look | None = None) -> dict[str, list[R
     """
     checked: dict[str, list[Recording]] = {}
     read: list[Recording] = []
+    tested = study.tested
     for condition, files in find(study, name).items():
         checked[condition], written = [], []
         for file in files:
             written.append(read_recording(file))
             with located_in(file):
-                checked[condition].append(checked_recording(study, study.condition(condition), written[-1]))
+                checked[condition].append(checked_recording(study, tested[condition], written[-1]))
             read.append(replace(written[-1], name=file.name))
         if look:
             look(name, condition, written)
@@ -106,7 +107,7 @@ def check_tests(study: Study, tests: Mapping[str, Sequence[Recording]]) -> dict[
         When a condition is none of the study's or has no recording, a recording is given twice, be it under two
         conditions, or is not one of its condition.
     """
-    names = [condition.name for condition in study.conditions]
+    names = list(study.tested)
     for name in tests:
         if name not in names:
             problem = f"{name!r} is no condition of the study{suggestion(name, names)}"
@@ -123,12 +124,13 @@ def _checked_tests(
 ) -> dict[str, list[Recording]]:
     """Return tests in memory, or of one file, from contact on; an error names the test and its condition."""
     checked: dict[str, list[Recording]] = {name: [] for name in tests}
+    tested = study.tested
     named: list[Recording] = []
     for condition, recordings in tests.items():
         for recording in recordings:
             named.append(replace(recording, name=f"{recording.name} of {condition}"))
             try:
-                checked[condition].append(checked_recording(study, study.condition(condition), recording))
+                checked[condition].append(checked_recording(study, tested[condition], recording))
             except InputError as error:
                 place = ", ".join(filter(None, (named[-1].name, error.place)))
                 raise InputError(error.problem, remedy=error.remedy, file=file, place=place) from None
@@ -163,7 +165,7 @@ def written_by_workflow(study: Study, name: str) -> bool:
 def tests_to_come(study: Study, name: str) -> dict[str, int]:
     """Return how many recordings of each condition of set `name` the workflow will write itself."""
     if name in study.laboratory:
-        return dict.fromkeys((c.name for c in study.conditions), study.laboratory[name]["replicates"])
+        return dict.fromkeys(study.tested, study.laboratory[name]["replicates"])
     if name == study.source.get("recordings"):
         return {condition: len(tests) for condition, tests in study.source_tests().items()}
     return {}
@@ -198,18 +200,17 @@ def observations(study: Study, name: str) -> dict[str, Observation]:
 
 
 def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str, Observation]:
-    """Return checked recordings, resampled to the sampling times of their protocols."""
+    """Return checked recordings under each condition, resampled to the sampling times of its protocol."""
     found = {}
-    for key, recordings in checked.items():
-        condition = study.condition(key)
-        protocol = condition.protocol
+    for condition in study.conditions:
+        recordings, protocol = checked[condition.test], condition.protocol
         own: tuple[Protocol, ...] = ()
         if condition.own_loads:
             own = tuple(own_protocol(protocol, recording) for recording in recordings)
             recordings = [stretched(protocol, recording) for recording in recordings]
         item = Observation.from_recordings(protocol, recordings, condition.role, condition.observable)
         quantity = Quantity.of(condition.observable, protocol, study.indenter, item.mean)
-        found[key] = replace(item, quantity=quantity, own=own)
+        found[condition.name] = replace(item, quantity=quantity, own=own)
     return found
 
 

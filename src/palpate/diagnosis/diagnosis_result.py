@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.law_class import discrepancy
@@ -77,7 +78,8 @@ def curves(
     """Return the forward model's curves before and after beside the recorded means, for every condition.
 
     A mechanism that varies between recordings has the most likely value for each condition, given noise and scatter,
-    and so has the factor of its site, where no replicates give that scatter.
+    and so has the factor of its site, where no replicates give that scatter. Parts that are held out have those of the
+    rest of their test.
     Held-out conditions under which the forward model fails are left out; the second result gives the reasons by their
     names.
 
@@ -90,7 +92,7 @@ def curves(
     before, after
         Fits of the base model and of the best explanation.
     """
-    tables, failed = [], {}
+    tables, failed, tests = [], {}, {condition.name: condition for condition in study.conditions}
     for condition in study.conditions:
         found = [fit.everywhere[condition.name] for fit in (before, after)]
         simulated = [curve for curve in found if not isinstance(curve, str)]
@@ -102,11 +104,26 @@ def curves(
         protocol = condition.protocol
         columns |= {f"{protocol.control}_{protocol.unit}": protocol.sample_drive, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
-            of_site = fit.problem.split(fit.of_sites).get(condition.name, 0.0)
-            columns[name] = curve + in_mean(study, fit, condition, curve, item) + of_site
+            columns[name] = curve + _of_recordings(study, observed, fit, tests[condition.test], condition, curve)
         columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True), failed
+
+
+def _of_recordings(
+    study: Study,
+    observed: Mapping[str, Observation],
+    fit: Fit,
+    test: Condition,
+    condition: Condition,
+    curve: np.ndarray,
+) -> np.ndarray:
+    """Return what single recordings of a test add to the `curve` (n_points,) [nm] of its condition, see `curves`."""
+    fitted = fit.everywhere[test.name]
+    assert not isinstance(fitted, str)  # a test of which parts are held out takes part in the fit
+    departures = in_mean(study, fit, test, fitted, observed[test.name], condition)
+    of_sites = fit.problem.split(fit.of_sites).get(test.name, np.zeros_like(fitted))
+    return departures + (of_sites if test is condition else curve * (of_sites @ fitted) / (fitted @ fitted))
 
 
 def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndarray:

@@ -14,7 +14,8 @@ from itertools import chain
 import numpy as np
 
 from indentation_files.recording import Recording
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.diagnosis.constraints import law_of_reference, laws_of
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.explanation import Fit

@@ -106,8 +106,9 @@ class Residuals:
                     weights[first + chosen] = sign / len(chosen)
                     mean, p_value = self.weighted(weights)
                     row = {"condition": condition.name, "cycle": cycle, "segment": name, "part": place[0]}
-                    begin = float(time[chosen[0] - 1]) if chosen[0] else 0.0
-                    row |= {"from_s": begin, "to_s": float(time[chosen[-1]])}
+                    ends = [end for _, end in condition.held_out if end <= time[chosen[0]]]
+                    begin = max([time[chosen[0] - 1] if chosen[0] else 0.0, *ends])
+                    row |= {"from_s": float(begin), "to_s": float(time[chosen[-1]])}
                     rows.append(row | {"residual_nm": mean})
                     p_values.append(p_value)
             first += len(time)

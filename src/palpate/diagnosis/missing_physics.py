@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.inference.explanation import Fit
 from palpate.solver.study_scale import longest_rise

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import chi2, ncx2
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.diagnosis.own_values import about
 from palpate.diagnosis.undetected import UndetectedEffect
 from palpate.errors import InputError

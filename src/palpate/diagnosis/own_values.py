@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
@@ -30,8 +31,8 @@ def recording_values(
     and the common mean, with the covariance of its point noise, site scatter, slow drift and the model's error. The
     intervals include the uncertainty of the material, except for held-out conditions, where the slopes are not known.
     Several mechanisms that vary are estimated together. A condition that takes no part, and in which one of them shows
-    nothing, has no values. What exact laws give for a single recording, such as the drift
-    in its own hold, joins as data. Held-out conditions under which the forward model fails have no values.
+    nothing, has no values, and neither have parts that are held out. What exact laws give for a single recording, such
+    as the drift in its own hold, joins as data. Held-out conditions under which the forward model fails have no values.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def recording_values(
     for condition in study.conditions:
         item = observed[condition.name]
         curve = fit.everywhere[condition.name]
-        if isinstance(curve, str):
+        if isinstance(curve, str) or condition.part_of:
             continue
         covariance = about(study, fit, condition, curve)
         design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
@@ -73,7 +74,14 @@ def recording_values(
     return found
 
 
-def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, item: Observation) -> np.ndarray:
+def in_mean(
+    study: Study,
+    fit: Fit,
+    condition: Condition,
+    curve: np.ndarray,
+    item: Observation,
+    part: Condition | None = None,
+) -> np.ndarray:
     """Return the effect of departures from mean values on the mean of a condition's recordings (n_points,) [nm].
 
     The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm].
@@ -86,17 +94,20 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
         See `about`.
     item
         Recordings of the condition.
+    part
+        Where the effect is asked for: the condition itself, or its parts that are held out.
     """
-    noise, count, columns, spreads = fit.errors.noise, len(item.response), [], []
+    noise, count, columns, spreads = fit.errors.noise, len(item.response), {}, []
     for amplitude in fit.own:
         shown = noise.variances[str(amplitude)] / count + fit.errors.between.get(str(amplitude), 0.0)
         spread = shown if noise.replicated else (0.3 * fit.problem.largest(amplitude)) ** 2
         if spread > 0:
-            columns.append(fit.problem.unit_effect(amplitude, condition))
+            columns[amplitude] = fit.problem.unit_effect(amplitude, condition)
             spreads.append(spread)
+    shown_in = part or condition
     if not columns:
-        return np.zeros_like(curve)
-    design = np.column_stack(columns)
+        return np.zeros(len(shown_in.protocol.sample_time))
+    design = np.column_stack(list(columns.values()))
     weighed = np.linalg.solve(about(study, fit, condition, curve, count), design)
     precision, pull, scales = design.T @ weighed, weighed.T @ (item.mean - curve), np.array(spreads)
     freedom = sum(len(fit.problem.observed[each.name].response) - 1 for each in fit.problem.conditions)
@@ -104,7 +115,8 @@ def in_mean(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, ite
     for _ in range(ROUNDS if noise.replicated else 1):
         departures = np.linalg.solve(precision + np.diag(weights / scales), pull)
         weights = (freedom + 1.0) / (freedom + departures**2 / scales)
-    return design @ departures
+    effects = [fit.problem.unit_effect(amplitude, shown_in) for amplitude in columns]
+    return np.column_stack(effects) @ departures
 
 
 def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:

@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 from indentation_files.correlated_errors import Series, shared_coefficient
 from indentation_files.recording import Recording
 from palpate.base import small_samples
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.fact import Fact
 from palpate.diagnosis.scaling_facts import level

@@ -19,7 +19,7 @@ import numpy as np
 
 from indentation_files.recording import Recording
 from palpate.base import small_samples
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.diagnosis.fact import Fact
 from palpate.mechanisms import Assumption, breaking
 from palpate.study.protocol import Protocol

@@ -93,7 +93,8 @@ def diagnosed(
     problem = problem.at_one_load(calibrated or {}, raise_failure)
     tests = [test for c in study.calibrated for test in recorded[c.name]]
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
-    pressed = {c.name: recorded[c.name] for c in study.conditions if c.observable.is_depth}
+    counted = {c.name: [*map(c.counted, recorded[c.name])] for c in study.conditions if not c.part_of}
+    pressed = {c.name: counted[c.name] for c in study.conditions if c.name in counted and c.observable.is_depth}
     exact = ExactLaws(study, pressed)
     search = Search(
         study, problem, list(candidates(study)), rng, calibrated, exact.beside, SearchPolicy(threads=threads)
@@ -107,7 +108,7 @@ def diagnosed(
     content["joint_intervals"] = joint_intervals(best.fit, search.screen) if explained else {}
     content["limits"] += wide_intervals(best.fit, content["joint_intervals"])
     content["study"] = study.name
-    content["model_free"] = [fact.row() for fact in model_free(study, recorded, problem.observed)]
+    content["model_free"] = [fact.row() for fact in model_free(study, counted, problem.observed)]
     laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]

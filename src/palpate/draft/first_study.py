@@ -13,13 +13,13 @@ from indentation_files.recording import Recording, copies
 from palpate.configuration.study_file import Study, load_study
 from palpate.data.study_recordings import check_given
 from palpate.draft.drafted import Drafted
-from palpate.draft.grouping import Group, grouped
+from palpate.draft.grouping import Group, grouped, with_held_out_cycles
 from palpate.draft.guess_table import Guess, evaluated, guess_table
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.law_choice import chosen_law
 from palpate.draft.prescribed_drive import Drive, cut_off
-from palpate.draft.remarks import on_stiffness, remarks_on
+from palpate.draft.remarks import on_held_out, on_stiffness, remarks_on
 from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit
 from palpate.draft.stated import Stated
 from palpate.draft.yaml_text import study_text
@@ -146,11 +146,11 @@ def _drafted(
     solid = Solid.of(recordings, tip, ratio)
     chosen = (law, "as given") if law else chosen_law(solid)
     used = tip.of_diamond if solid.stiff else tip
-    groups = grouped(recordings, drive)
+    groups = with_held_out_cycles(grouped(recordings, drive), drive)
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
     guessed = ranges(chosen[0], solid, shortest)
     table = guess_table(chosen, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
-    remarks = remarks_on(tests, stated, tip, ratio)
+    remarks = [*remarks_on(tests, stated, tip, ratio), *on_held_out(groups)]
     folder = output / "recordings"
     text = study_text(name, groups, folder, used, guessed, table, remarks)
     study = _written(output / "study.yaml", text, folder, groups, tests)

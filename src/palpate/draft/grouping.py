@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from string import ascii_lowercase
 
 import numpy as np
@@ -19,10 +19,12 @@ from palpate.draft.methods import LOADED, end_of_loading, of_one_method, the_mid
 from palpate.draft.prescribed_drive import Drive
 from palpate.errors import InputError
 from palpate.study.alignment import aligned
+from palpate.study.prescribed_segments import last_cycles
 from palpate.study.protocol import LOAD
 
 TRAPEZOIDAL = 0.005  # of the largest drive, root mean square, within which it is called a trapezoid
 BRIEF = 0.003  # of loading and unloading, a hold that counts as none
+FOR_VALIDATION = 3  # conditions from which on one is held out
 SAME_TIME = 1.05  # chosen: ratio of durations of one history, whose start and end are seen a little early or late
 
 
@@ -40,11 +42,14 @@ class Group:
     history
         Keys of a study's condition: those of a trapezoid where the drive is one, else ``load_history: recorded``, with
         ``own_loads`` where tests of one method reach different loads.
+    held_out
+        Which cycles of the tests are held out, in words, see `with_held_out_cycles`; empty for none.
     """
 
     name: str
     recordings: tuple[Recording, ...]
     history: Mapping[str, object]
+    held_out: str = ""
 
 
 def grouped(recordings: Sequence[Recording], drive: Drive) -> list[Group]:
@@ -89,6 +94,19 @@ def grouped(recordings: Sequence[Recording], drive: Drive) -> list[Group]:
         members = sorted(members, key=lambda one: (one is not first, recordings.index(one)))
         groups.append(Group(name, tuple(members), {**drive.keys, **history}))
     return groups
+
+
+def with_held_out_cycles(groups: Sequence[Group], drive: Drive) -> list[Group]:
+    """Return the groups, where they are too few for one to be held out with their last cycles held out."""
+    if len(groups) >= FOR_VALIDATION:
+        return list(groups)
+    found = []
+    for group in groups:
+        if last := last_cycles(drive.followed(group.recordings[0])):
+            (begin, end), words = last
+            group = replace(group, history={**group.history, "held_out": [[begin, end]]}, held_out=words)
+        found.append(group)
+    return found
 
 
 def _suffix(earlier: int) -> str:

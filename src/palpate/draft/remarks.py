@@ -13,6 +13,7 @@ from indentation_files.recording import Recording
 from indentation_files.sentences import and_more
 from palpate.classical.joslin_oliver import UNLIKE, different_materials, load_over_stiffness_squared
 from palpate.draft.drafted import Drafted
+from palpate.draft.grouping import Group
 from palpate.draft.known_tip import KnownTip, unusable
 from palpate.draft.law_choice import POLYMER
 from palpate.draft.solid import Solid, secant_modulus
@@ -120,6 +121,16 @@ def on_stiffness(law: str, solid: Solid) -> list[str]:
     if solid.secant < SOFTEST_PLASTIC:
         return [f"{remark} a gel's or a rubber's; if the sample is neither: are depths in pm, or loads in N?"]
     return []
+
+
+def on_held_out(groups: Sequence[Group]) -> list[str]:
+    """Return a remark for each group of which cycles are held out."""
+    return [
+        f"too few kinds of tests to hold one out; held out to measure the errors (held_out): {group.held_out} of "
+        f"{group.name}"
+        for group in groups
+        if group.held_out
+    ]
 
 
 def _on_assumed_loading(tests: Sequence[Drafted]) -> list[str]:

@@ -13,7 +13,7 @@ from string import Template
 import yaml
 
 from palpate.configuration.study_file import SHARED
-from palpate.draft.grouping import Group
+from palpate.draft.grouping import FOR_VALIDATION, Group
 from palpate.draft.guess_table import Guess
 from palpate.draft.guesses import points_for
 from palpate.draft.known_tip import KnownTip
@@ -127,12 +127,13 @@ def _parameters(law: str, guessed: Mapping[str, Guessed], rows: Mapping[str, Gue
 
 def _conditions(groups: Sequence[Group]) -> Iterator[str]:
     """Yield one line a condition; of three or more that in the middle validates."""
-    held_out = groups[len(groups) // 2] if len(groups) > 2 else None
+    held_out = groups[len(groups) // 2] if len(groups) >= FOR_VALIDATION else None
     for group in groups:
         role, count = "validate" if group is held_out else "calibrate", len(group.recordings)
         entry = f"  - {{name: {group.name}, {_keys(group.history)}, role: {role}}}"
         own = ", each under a load of its own" if "own_loads" in group.history else ""
-        yield _row(entry, f"{count} test{'s' if count > 1 else ''}{own}")
+        parts = f", {group.held_out} held out" if group.held_out else ""
+        yield _row(entry, f"{count} test{'s' if count > 1 else ''}{own}{parts}")
 
 
 def _comment(text: str) -> str:
@@ -152,5 +153,5 @@ def _value(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, list):
-        return f"[{', '.join(f'{each:.9g}' for each in value)}]"
-    return value if isinstance(value, str) else f"{value:g}"
+        return f"[{', '.join(map(_value, value))}]"
+    return value if isinstance(value, str) else f"{value:.9g}"

@@ -28,7 +28,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.contrasts import Replicates, contrasts, without_trend
 from palpate.data.noise import NoiseModel
 from palpate.data.noise_fit import fit_noise

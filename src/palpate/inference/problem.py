@@ -14,7 +14,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.linalg import block_diag
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude

@@ -19,7 +19,8 @@ import numpy as np
 
 from indentation_files.recording import SYNTHETIC, Recording
 from indentation_files.recording_file import recording_files
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
 from palpate.observables.observable import Quantity
 from palpate.solver.simulation import Simulation, simulate_batch
@@ -81,7 +82,7 @@ def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
     """
     rng = np.random.default_rng(settings["seed"])
     recordings = {}
-    for condition, simulation in zip(study.conditions, exact_curves(study, settings), strict=True):
+    for condition, simulation in zip(study.tested.values(), exact_curves(study, settings), strict=True):
         for replicate in range(1, settings["replicates"] + 1):
             site = settings["site_scatter"] * rng.standard_normal()
             noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
@@ -128,11 +129,11 @@ def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
         When a simulation fails on every mesh.
     """
     specifications = []
-    for condition in study.conditions:
+    for condition in study.tested.values():
         exact = replace(condition, protocol=denser(condition.protocol))
         specification = study.specification(settings["parameters"], exact, accuracy="fine")
         specifications.append(replace(specification, mechanisms=settings.get("mechanisms", {})))
-    return off_the_mesh(specifications, [f"virtual laboratory, {condition.name}" for condition in study.conditions])
+    return off_the_mesh(specifications, [f"virtual laboratory, {name}" for name in study.tested])
 
 
 def off_the_mesh(specifications: Sequence[Specification], names: Sequence[str]) -> list[Simulation]:

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.mechanisms import Mechanism, Scale
 from palpate.models.coordinates import Coordinates

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.study.protocol import Protocol
 
 THINNING = 4  # one of so many samples is kept where curves of another simulation interpolate the rest

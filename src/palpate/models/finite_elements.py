@@ -17,7 +17,8 @@ from functools import cached_property
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.mechanisms import Mechanism, Scale

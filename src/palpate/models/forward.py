@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition
+from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.mechanisms import Mechanism, Scale
 from palpate.models.coordinates import Coordinates

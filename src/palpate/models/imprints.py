@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from indentation_files.imprint_profile import ImprintProfile, read_imprint
+from palpate.configuration.condition import Condition
 from palpate.configuration.further_evidence import IMPRINT
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.study_file import Study
 from palpate.errors import InputError, located_in
 from palpate.solver.simulation import fields_at
 from palpate.study.specification import Specification

@@ -16,7 +16,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.solver.simulation import simulate_batch

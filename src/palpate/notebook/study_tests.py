@@ -70,7 +70,7 @@ def _only_set(study: Study) -> str:
 
 
 def _only_condition(study: Study) -> str:
-    names = [condition.name for condition in study.conditions]
+    names = list(study.tested)
     if len(names) == 1:
         return names[0]
     remedy = f"give tests by the name of their condition: {{{names[0]!r}: [...], ...}}"
@@ -90,6 +90,6 @@ def _tests_of_set(study: Study, name: str) -> dict[str, list[Recording]]:
             each.name: [
                 checked_recording(study, each, test) for key, test in made if key.rpartition("_")[0] == each.name
             ]
-            for each in study.conditions
+            for each in study.tested.values()
         }
     return check_source(study)

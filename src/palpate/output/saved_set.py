@@ -10,7 +10,8 @@ import pandas as pd
 
 from indentation_files.recording import Recording
 from palpate.base.parameters import Parameter
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.mechanisms import MECHANISMS
 
 ALL = "all"  # the condition set of every calibrated condition

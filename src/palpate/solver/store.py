@@ -24,7 +24,8 @@ from indentation_files.whole_file import written_whole
 from palpate.base.checksum import content_checksum
 from palpate.base.classes import classes_of
 from palpate.base.fingerprint import fingerprint
-from palpate.configuration.study_file import Condition, Study
+from palpate.configuration.condition import Condition
+from palpate.configuration.study_file import Study
 from palpate.errors import InputError, PalpateError
 from palpate.observables import OBSERVABLES
 from palpate.solver.axisymmetric.lanes import LANES

@@ -7,6 +7,7 @@ import numpy as np
 from palpate.study.protocol import Protocol
 
 STILL = 0.05  # of the mean rate, up to which the drive is held
+HELD_OUT = 1 / 3  # of the cycles of a test that are held out, chosen: as much as of three tests one
 SWING = 0.05  # of the largest drive, by which it falls and rises again between two cycles
 
 
@@ -39,13 +40,18 @@ def by_cycle(protocol: Protocol) -> dict[tuple[int, str], np.ndarray]:
 
 
 def cycles(protocol: Protocol) -> np.ndarray:
-    """Return the number of the loading cycle (n,) at each sample time.
+    """Return the number of the loading cycle (n,) at each sample time, see `cycle_begins`."""
+    return np.searchsorted(cycle_begins(protocol), protocol.sample_time, side="left")
+
+
+def cycle_begins(protocol: Protocol) -> list[float]:
+    """Return when each loading cycle begins [s], the first at zero.
 
     A cycle begins where the drive turns to rise, after a fall by a twentieth of the largest drive and before a rise by
     as much.
     """
     swing, time, drive = SWING * protocol.largest_drive, protocol.knot_time, protocol.knot_drive
-    begins: list[float] = []
+    begins = [0.0]
     highest, lowest, turned = drive[0], np.inf, 0.0
     for moment, value in zip(time, drive, strict=True):
         if lowest == np.inf:  # before the fall that ends the cycle
@@ -55,6 +61,16 @@ def cycles(protocol: Protocol) -> np.ndarray:
         elif value <= lowest:
             lowest, turned = value, moment
         elif value >= lowest + swing:
-            begins.append(turned)
+            begins.append(float(turned))
             highest, lowest = value, np.inf
-    return 1 + np.searchsorted(begins, protocol.sample_time, side="left")
+    return begins
+
+
+def last_cycles(protocol: Protocol) -> tuple[tuple[float, float], str] | None:
+    """Return when the last third of the cycles begins and ends [s], and its name in words; None of a single cycle."""
+    begins = cycle_begins(protocol)
+    if len(begins) == 1:
+        return None
+    count = max(1, round(HELD_OUT * len(begins)))
+    words = f"the last {f'{count} ' if count > 1 else ''}of {len(begins)} cycles"
+    return (begins[-count], float(protocol.knot_time[-1])), words

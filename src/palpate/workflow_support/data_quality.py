@@ -19,8 +19,10 @@ from indentation_files.recording_file import other_files
 from indentation_files.reversal_lag import reversal_lag
 from indentation_files.sentences import and_more
 from palpate.classical.joslin_oliver import different_materials
+from palpate.configuration.condition import Condition
 from palpate.configuration.prescribed_history import RECORDED
-from palpate.configuration.study_file import Condition
+from palpate.configuration.study_file import Study
+from palpate.study.prescribed_segments import last_cycles
 from palpate.study.protocol import LOAD
 from palpate.study.recorded_history import averaged_over, swing
 
@@ -104,6 +106,15 @@ def _off_contact(tests: Sequence[Recording]) -> Iterator[str]:
             f"{off[0].name}.csv{and_more(off)} begin{'' if len(off) > 1 else 's'} at a depth of {off[0].depth[0]:.4g} "
             f"nm, not at contact: all of its depth counts ({OF_READ})"
         )
+
+
+def cycles_to_hold_out(study: Study) -> Iterator[str]:
+    """Propose the last cycles of the first condition that has some for validation."""
+    for condition in study.calibrated:
+        if last := last_cycles(condition.protocol):
+            (begin, end), words = last
+            yield f"held_out: [[{begin:.6g}, {end:.6g}]] of {condition.name} would validate on {words}"
+            return
 
 
 def passed_over(folder: Path) -> Iterator[str]:

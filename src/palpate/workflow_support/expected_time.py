@@ -98,7 +98,7 @@ def _calibration(cost: float, conditions: int) -> float:
 def _diagnosis(study: Study, cost: float, recordings: str) -> float:
     """Return the time of the diagnosis of a set of recordings [s]."""
     files = files_of(study, recordings)
-    few = len(files) >= 2 * len(study.conditions) and not (_is_elastic(study) and any(map(_left_imprint, files[:1])))
+    few = len(files) >= 2 * len(study.tested) and not (_is_elastic(study) and any(map(_left_imprint, files[:1])))
     names = [{parameter.name for parameter in mechanism.parameters} for mechanism in candidates(study).values()]
     explained = sum(_cost_of_curve(study, YIELDS in added) for added in names)
     curves = DIAGNOSIS * cost + (EXPLANATION if few else ALONE) * explained
