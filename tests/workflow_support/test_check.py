@@ -235,12 +235,20 @@ def test_the_default_study_takes_about_as_long_as_check_expects():
     assert "12 mechanisms" in line and line.startswith("expected time, within a factor of two: 5 min on 1 free core")
 
 
-def test_a_diagnosis_without_replicates_is_expected_to_take_longer(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def an_elastic_law_in_a_laboratory(folder, monkeypatch):
+    """Return a study with an empty folder of recordings, and times [s] and loads [mN] of a test."""
+    monkeypatch.chdir(folder)
     Path("lab").mkdir()
     time = np.linspace(0.0, 60.0, 81)
-    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
-    study = study_from(ELASTIC | {"recordings": {"lab": "lab"}}, "study")
+    return (
+        study_from(ELASTIC | {"recordings": {"lab": "lab"}}, "study"),
+        time,
+        np.minimum(time / 30.0, 2.0 - time / 30.0),
+    )
+
+
+def test_a_diagnosis_without_replicates_is_expected_to_take_longer(tmp_path, monkeypatch):
+    study, time, load = an_elastic_law_in_a_laboratory(tmp_path, monkeypatch)
     took = []
     for number in (1, 2):
         Recording(time, load, 400.0 * np.sqrt(load)).write(f"lab/A_{number}.csv")
@@ -249,11 +257,7 @@ def test_a_diagnosis_without_replicates_is_expected_to_take_longer(tmp_path, mon
 
 
 def test_a_diagnosis_of_an_elastic_law_is_expected_to_take_longer_where_tests_leave_an_imprint(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("lab").mkdir()
-    time = np.linspace(0.0, 60.0, 81)
-    load = np.minimum(time / 30.0, 2.0 - time / 30.0)
-    study = study_from(ELASTIC | {"recordings": {"lab": "lab"}}, "study")
+    study, time, load = an_elastic_law_in_a_laboratory(tmp_path, monkeypatch)
     took = []
     for left in (0.0, 100.0):
         for number in (1, 2):

@@ -26,10 +26,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
+from scipy.stats import logistic
 
 from palpate.data.bulk_tests import BulkTest
 from palpate.inference.discrepancy import PRIOR_SCALE, SHARES
@@ -64,7 +66,7 @@ class FittedTest:
     steps: int
     share: float
 
-    @property
+    @cached_property
     def factor(self) -> np.ndarray:
         """Lower Cholesky factor (n, n) of the covariance of the errors."""
         return cholesky(covariance(self.test, self.share), lower=True)
@@ -78,24 +80,19 @@ class FittedTest:
 
 @dataclass(frozen=True, eq=False)
 class BulkLikelihood:
-    """All tests that calibrate, with the factors of their errors."""
+    """All tests that calibrate."""
 
     tests: tuple[FittedTest, ...] = ()
-    factors: tuple[np.ndarray, ...] = ()
 
     @classmethod
     def of(cls, bulk: BulkModel, coordinates: Coordinates, law_error: float) -> BulkLikelihood:
         """Estimate the size of the law's discrepancy in each test; `law_error` is a share of the depth, 0 for none."""
         fitted = [test for test in bulk.tests if test.role == "calibrate"]
-        found = tuple(_sized(bulk, test, coordinates, law_error) for test in fitted)
-        return cls(found, tuple(each.factor for each in found))
+        return cls(tuple(_sized(bulk, test, coordinates, law_error) for test in fitted))
 
     def departures(self, model: str, parameters: Mapping[str, float]) -> np.ndarray:
         """Return the whitened residuals (m,) [standard deviations] of a law with all parameters by name."""
-        white = [
-            solve_triangular(factor, each.residual(model, parameters), lower=True)
-            for each, factor in zip(self.tests, self.factors, strict=True)
-        ]
+        white = [solve_triangular(each.factor, each.residual(model, parameters), lower=True) for each in self.tests]
         return np.concatenate(white) if white else np.empty(0)
 
 
@@ -157,6 +154,6 @@ def _likeliest_share(
         pull = white[:, 1:].T @ white[:, 0]
         squares = float(white[:, 0] @ white[:, 0] - pull @ np.linalg.solve(precision, pull))
         volume = 2.0 * np.log(np.diag(factor)).sum() + np.linalg.slogdet(precision)[1]
-        away = np.log(share / (OF_COMPLIANCE * law_error)) / PRIOR_SCALE
-        densities.append(-0.5 * (squares + volume) - away - 2.0 * np.logaddexp(0.0, -away))
+        prior = logistic.logpdf(np.log(share / (OF_COMPLIANCE * law_error)) / PRIOR_SCALE)
+        densities.append(-0.5 * (squares + volume) + prior)
     return float(SHARES[int(np.argmax(densities))])

@@ -38,6 +38,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.special import logsumexp
+from scipy.stats import logistic
 
 from palpate.inference.law_structure import CROSSINGS, clocks, common, crossovers, parts_of_tests, reversals
 from palpate.study.protocol import Protocol
@@ -221,7 +222,6 @@ def largest_depths(depths: Mapping[str, np.ndarray], shares: Mapping[str, float]
 def log_prior(law_error: float) -> np.ndarray:
     """Return the logarithm of the prior weight (q,) of each of `SIZES`."""
     of_law = np.array([size.share * np.sqrt(1.0 - size.own) for size in SIZES])
-    size = np.abs(np.log(of_law / law_error) / PRIOR_SCALE)
-    density = (-size - 2.0 * np.log1p(np.exp(-size))).reshape(len(SHAPES), -1)
+    density = logistic.logpdf(np.log(of_law / law_error) / PRIOR_SCALE).reshape(len(SHAPES), -1)
     shapes = np.log(list(SHAPES.values())) - logsumexp(density, axis=1)
     return (density + shapes[:, None]).ravel()

@@ -12,8 +12,6 @@ from scipy.special import log_ndtr
 
 from palpate.inference.discrepancy import SHAPES, SHARES, SIZES, Discrepancy, Size, log_prior
 
-TINY = 1e-300  # below any square of a factor's diagonal
-
 
 @dataclass(frozen=True, eq=False)
 class Modes:
@@ -124,19 +122,10 @@ class Marginal:
         """
         variance = np.broadcast_to(variance, self.products.shape[1] - 1)
         order = np.r_[1 : len(variance) + 1, 0]
-        factor = _factors(self.products[:, order][:, :, order] + np.diag(np.append(1.0 / variance, 0.0)))
+        # One more keeps the last pivot positive where nothing is left; it is taken off again.
+        factor = np.linalg.cholesky(self.products[:, order][:, :, order] + np.diag(np.append(1.0 / variance, 1.0)))
         diagonal, last = np.diagonal(factor, axis1=1, axis2=2), len(variance) - 1
-        squares = diagonal[:, -1] ** 2 if moves else self.products[:, 0, 0]
+        squares = diagonal[:, -1] ** 2 - 1.0 if moves else self.products[:, 0, 0]
         volume = 2.0 * np.log(diagonal[:, :-1]).sum(axis=1) + np.log(variance).sum()
         found = -0.5 * (squares + volume) - self.half_log_det
         return found + np.log(2.0) + log_ndtr(factor[:, -1, last]) if positive else found
-
-
-def _factors(matrices: np.ndarray) -> np.ndarray:
-    """Return the lower Cholesky factors (q, k, k) of many small matrices, all at once column by column."""
-    left = np.ascontiguousarray(np.moveaxis(matrices, 0, -1))
-    found = np.zeros_like(left)
-    for k in range(len(left)):
-        found[k:, k] = left[k:, k] - np.einsum("ijq,jq->iq", found[k:, :k], found[k, :k])
-        found[k:, k] /= np.sqrt(np.maximum(found[k, k], TINY))
-    return np.moveaxis(found, -1, 0)
