@@ -12,7 +12,7 @@ from indentation_files.imprint_profile import ImprintProfile, read_imprint
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
 from palpate.inference.imprint_prediction import imprint_predictions
-from palpate.models.imprints import Imprint, residual_profile
+from palpate.models.imprints import Imprint, imprints, residual_profile
 from palpate.output.figures.catalogue import FIGURES
 from palpate.output.results.answer import Answer
 from palpate.output.results.calibration import Calibration
@@ -135,3 +135,12 @@ def test_a_study_reads_its_imprints(tmp_path):
     written(tmp_path)
     (entry,) = load_study(study(tmp_path)).evidence
     assert (entry.kind, entry.of, entry.role) == ("imprint", "P1_T30", "validate")
+
+
+def test_an_imprint_is_that_of_the_whole_test_though_its_end_is_held_out(tmp_path):
+    written(tmp_path)
+    file = study(tmp_path)
+    held_out = {**STUDY["conditions"][0], "held_out": [[45.0, 60.0]]}
+    file.write_text(yaml.safe_dump(yaml.safe_load(file.read_text()) | {"conditions": [held_out]}))
+    (found,) = imprints(load_study(file))
+    assert found.condition.protocol.sample_time[-1] == pytest.approx(60.0)

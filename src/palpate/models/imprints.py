@@ -40,7 +40,7 @@ def imprints(study: Study) -> Iterator[Imprint]:
                 place="evidence",
             )
         with located_in(evidence.file):
-            yield Imprint(read_imprint(evidence.file), study.condition(evidence.of))
+            yield Imprint(read_imprint(evidence.file), study.tested[evidence.of])
 
 
 def residual_profile(specification: Specification) -> tuple[np.ndarray, np.ndarray]:
