@@ -12,12 +12,13 @@ import ast
 import html
 import importlib
 import inspect
+import json
 import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 sys.path.insert(0, str(Path(__file__).parent))
 import epoxy_results
@@ -168,6 +169,64 @@ def _acts(mechanism: Any) -> str:
 
 def _values(mechanism: Any) -> str:
     return "each recording has its own" if mechanism.varies else "one for all recordings"
+
+
+def keys(name: str) -> str:
+    """Return the keys of one table of a study's file, as `palpate.configuration.study_sections` declares them."""
+    from palpate.configuration import settings, study_sections
+
+    declared = getattr(study_sections, name, None) or getattr(settings, name)
+    rows = (
+        (f"`{key}`", field.description, _accepted(field), _default(field))
+        for key, field in declared.model_fields.items()
+    )
+    return table(("key", "meaning", "accepted", "default"), rows)
+
+
+def _accepted(field: Any) -> str:
+    """Return what a key of a study takes."""
+    from pydantic import BaseModel
+
+    from palpate.configuration.checked_file import bare
+
+    kind, extra = bare(field.annotation), field.json_schema_extra
+    limits = {
+        name: getattr(each, name) for each in field.metadata for name in ("gt", "ge", "lt", "le") if hasattr(each, name)
+    }
+    if extra["accepted"]:
+        text = str(extra["accepted"])
+    elif kind is bool:
+        text = "true, false"
+    elif get_origin(kind) is Literal:
+        text = ", ".join(f"`{choice}`" for choice in get_args(kind))
+    elif isinstance(kind, type) and issubclass(kind, BaseModel):
+        text = "table"
+    elif {"ge", "le"} <= set(limits):
+        text = span(limits["ge"], limits["le"])
+    elif "ge" in limits:
+        text = f"{number(limits['ge'])} or more"
+    elif "gt" in limits:
+        ends = {"lt": ", below {}", "le": ", to {}"}
+        text = f"above {number(limits['gt'])}" + "".join(
+            ends[name].format(number(limits[name])) for name in ends if name in limits
+        )
+    else:
+        text = "-"
+    return text
+
+
+def _default(field: Any) -> str:
+    """Return the default of a key of a study."""
+    from pydantic import BaseModel
+
+    if field.is_required():
+        return "required"
+    if field.default is None:
+        return "-"
+    if isinstance(field.default, BaseModel):
+        return "all defaults"
+    given = list(field.default) if isinstance(field.default, tuple) else field.default
+    return f"`{given if isinstance(given, str) else json.dumps(given)}`"
 
 
 def commands() -> str:
@@ -340,6 +399,7 @@ GENERATED: dict[str, Callable[..., str]] = {
     "mechanisms": mechanisms,
     "mechanism_table": mechanism_table,
     "commands": commands,
+    "keys": keys,
     "subpackages": subpackages,
     "extensions": extensions,
     "source": source,

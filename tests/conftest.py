@@ -72,7 +72,7 @@ def truth_once(monkeypatch):
     exact = virtual.exact_curves
 
     def once(study, settings):
-        key = (study.name, study.points, len(study.conditions), str(settings["parameters"]))
+        key = (study.name, study.points, len(study.conditions), str(settings.parameters))
         if key not in TRUTHS:
             TRUTHS[key] = exact(study, settings)
         return TRUTHS[key]

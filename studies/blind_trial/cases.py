@@ -55,9 +55,9 @@ class Case:
 def draw(study: Study) -> list[Case]:
     """Draw the cases of a study's section ``challenge``, in random order."""
     settings = study.challenge
-    rng = np.random.default_rng(settings["seed"])
-    kinds = [kind for kind in ("none", "one", "two", "unknown") for _ in range(settings[kind])]
-    concealed = considered(settings["mechanisms"], "challenge.mechanisms")
+    rng = np.random.default_rng(settings.seed)
+    kinds = [kind for kind in ("none", "one", "two", "unknown") for _ in range(getattr(settings, kind))]
+    concealed = considered(settings.mechanisms, "challenge.mechanisms")
     available = list(concealed)
     singles = itertools.cycle(rng.permutation(available))
     unknown = itertools.cycle(rng.permutation(list(UNKNOWN)))

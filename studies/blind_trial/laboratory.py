@@ -71,7 +71,7 @@ def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.G
 def write(study: Study, cases: Sequence[Case], folder: Path) -> None:
     """Write the recordings of some cases, each into a folder of its own."""
     generators = [np.random.default_rng(case.seed) for case in cases]
-    depths = body_depths(study, cases, study.conditions, study.challenge["accuracy"])
+    depths = body_depths(study, cases, study.conditions, study.challenge.accuracy)
     for condition, of_cases in zip(study.conditions, depths, strict=True):
         for case, depth, rng in zip(cases, of_cases, generators, strict=True):
             (folder / case.name).mkdir(parents=True, exist_ok=True)

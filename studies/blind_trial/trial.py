@@ -54,7 +54,7 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     if isinstance(found, str):
         raise PalpateError(found)
     curve, tangent = (problem.stacked(parts) for parts in found)
-    scatter, solver_error = (study.calibration[key] for key in ("site_scatter", "solver_error"))
+    scatter, solver_error = study.calibration.site_scatter, study.calibration.solver_error
     noise = noise_of(problem, (), problem.mean - curve, scatter)
     fit = Fit(problem, (), base, z, errors(problem, base, (), curve, noise, solver_error), curve, tangent)
     signatures = fit.whiten(_effects(study, problem, case))
@@ -62,7 +62,7 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     for k, white in enumerate(signatures.T):
         others = np.linalg.qr(np.column_stack([fit.tangent_space, np.delete(signatures, k, axis=1)]))[0]
         sizes.append(float(np.linalg.norm(white - others @ (others.T @ white))))
-    limit = np.sqrt(chi2.isf(study.diagnosis["significance"] / count_of_filters(problem, list(candidates(study))), 1))
+    limit = np.sqrt(chi2.isf(study.diagnosis.significance / count_of_filters(problem, list(candidates(study))), 1))
     return min(sizes) / float(limit)
 
 
@@ -70,7 +70,7 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
     """Return what each mechanism of a case adds to the depth of all conditions (n_all, mechanisms) [nm]."""
     bodily = [key for key in case.mechanisms if not MECHANISMS[key].varies]
     without = [replace(case, mechanisms={k: v for k, v in case.mechanisms.items() if k != key}) for key in bodily]
-    accuracy = study.challenge["accuracy"]
+    accuracy = study.challenge.accuracy
     simulated = body_depths(study, [case, *without] if bodily else [], problem.conditions, accuracy)
     parts = []
     for condition, depths in zip(problem.conditions, simulated, strict=True):

@@ -29,7 +29,9 @@ def diagnosed(case: Case, study: Study) -> dict[str, Any]:
     """Return what a diagnosis with the settings of a study states of a set, and its seconds of processor time."""
     begun = time.process_time()
     problem = posed(case)
-    own = replace(study, conditions=case.conditions, calibration={**study.calibration, "solver_error": 0.0})
+    own = replace(
+        study, conditions=case.conditions, calibration=study.calibration.model_copy(update={"solver_error": 0.0})
+    )
     found = diagnose(Search(own, problem, KEYS, np.random.default_rng(case.seed)), lambda line: None)
     best = (found.accepted[0] if found.accepted else found.base).fit
     draws = posterior_draws(best)

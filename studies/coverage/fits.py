@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from palpate.configuration.settings import CalibrationSettings
 from palpate.data.observation import Observation
-from palpate.inference.calibrate import LEAST_R2, CalibrationSettings, base_fit
+from palpate.inference.calibrate import LEAST_R2, base_fit
 from palpate.inference.calibration_result import MOST_MISFIT
 from palpate.inference.estimates import condition_errors, estimates, intervals, law_discrepancy
 from palpate.inference.problem import Problem

@@ -16,7 +16,6 @@ from palpate.inference.calibrate import calibrate
 from palpate.inference.problem import Problem
 from palpate.solver.simulation import simulate
 from palpate.surrogate import PODRBF
-from palpate.workflow_support.steps import settings_of
 from studies.thesis.fitted import Fitted, beside_truth
 from studies.thesis.grids import ALUMINIUM, ranges
 from studies.thesis.grids import ALUMINIUM_GRIDS as GRIDS
@@ -29,7 +28,7 @@ def run(context: Context) -> Outcome:
     """Calibrate with both grids."""
     study = context.studies["aluminium"]
     measured = observations(study, "virtual")
-    truth = study.laboratory["virtual"]["parameters"]
+    truth = study.laboratory["virtual"].parameters
     bounds = ranges(study.levels)
     (name,) = ALUMINIUM
     recorded = measured[name].mean
@@ -45,14 +44,14 @@ def run(context: Context) -> Outcome:
     for grid, design in GRIDS.items():
         training = context.curves[design].where(role="training").succeeded()
         snapshots = training.matrix(study.levels), training.depth
-        surrogate = PODRBF(**study.surrogate).fit(*snapshots)
+        surrogate = PODRBF(**dict(study.surrogate)).fit(*snapshots)
         on_surrogate = SurrogateForward({name: surrogate}, bounds)
         found = calibrate(
             replace(Problem.of(study, measured), forward=on_surrogate),
             on_surrogate.predictors,
             bounds,
             rng=np.random.default_rng(study.seed),
-            settings=settings_of(study),
+            settings=study.calibration,
         )
         simulated = simulate(study.specification(found.values, study.condition(name))).depth
         fitted += [

@@ -48,7 +48,7 @@ def run(context: Context) -> Outcome:
     for (design, size), snapshots in sets.items():
         good = snapshots.succeeded()
         training = good.matrix(study.levels), good.depth
-        model = PODRBF(**study.surrogate).fit(*training)
+        model = PODRBF(**dict(study.surrogate)).fit(*training)
         rows.append({"design": design, "snapshots": size, **errors(model, tests, list(study.levels))})
         fitted.append(Fitted.surrogate(f"epoxy {CONDITION}, {design}, {size} points", model, *training))
     grid = rows[0]

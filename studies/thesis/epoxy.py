@@ -39,7 +39,7 @@ def run(context: Context) -> Outcome:
     """Calibrate on the four loading times; the solver confirms and judges the other loads."""
     study = context.studies["epoxy"]
     measured = observations(study, "virtual")
-    truth = study.laboratory["virtual"]["parameters"]
+    truth = study.laboratory["virtual"].parameters
     surrogates = epoxy_surrogates(context)
     found = calibrate_study(study, surrogates, measured)
     errors: Rows = [

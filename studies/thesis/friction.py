@@ -54,7 +54,7 @@ def runs(studies: Studies, outcomes: Outcomes) -> list[Run]:
 def build(studies: Studies, labels: Mapping[str, Any]) -> Specification:
     """Return the calibrated epoxy with the friction and the kinematics that the labels say."""
     study = studies["epoxy"]
-    plain = study.specification(study.laboratory["virtual"]["parameters"], study.condition(labels["condition"]))
+    plain = study.specification(study.laboratory["virtual"].parameters, study.condition(labels["condition"]))
     indenter = replace(study.indenter, friction=labels["friction"])
     return replace(plain, kinematics=labels["kinematics"], indenter=indenter)
 

@@ -50,7 +50,7 @@ Fixed = Mapping[str, Sequence[str]]
 
 def truth(study: Study) -> dict[str, float]:
     """Return the true parameters, Poisson's ratio among them."""
-    return {**study.laboratory["virtual"]["parameters"], "poisson_ratio": study.fixed["poisson_ratio"]}
+    return {**study.laboratory["virtual"].parameters, "poisson_ratio": study.fixed["poisson_ratio"]}
 
 
 def runs(studies: Studies, outcomes: Outcomes) -> list[Run]:

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
+from palpate.configuration.settings import CalibrationSettings
 from palpate.data.study_recordings import observations
-from palpate.surrogate.genetic import GeneticSettings, evolve
+from palpate.surrogate.genetic import evolve
 from palpate.surrogate.surrogates import Surrogates
 from studies.thesis.fitted import Fitted
 from studies.thesis.grids import CALIBRATED, EPOXY_GRIDS, ranges
@@ -87,7 +88,7 @@ class Problem:
 
 def genetic(problem: Problem, seed: int) -> None:
     """Run the thesis' genetic algorithm on the sum of objectives."""
-    settings = GeneticSettings(tolerance=0)
+    settings = CalibrationSettings(tolerance=0)
     evolve(lambda u: problem.values(u)[:, None], problem.dimensions, settings, np.random.default_rng(seed))
 
 
@@ -98,7 +99,7 @@ def multi_objective(problem: Problem, seed: int) -> None:
         parts = np.split(problem.errors(u) ** 2, len(problem.recorded), axis=1)
         return np.column_stack([part.sum(axis=1) for part in parts])
 
-    evolve(each, problem.dimensions, GeneticSettings(tolerance=0), np.random.default_rng(seed))
+    evolve(each, problem.dimensions, CalibrationSettings(tolerance=0), np.random.default_rng(seed))
 
 
 def covariance_adaptation(problem: Problem, seed: int) -> None:

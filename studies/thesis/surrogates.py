@@ -11,7 +11,7 @@ from studies.thesis.study import Context
 def epoxy_surrogate(context: Context, condition: str) -> PODRBF:
     """Return the surrogate of one loading time over the grid of 288 points."""
     study, grid = context.studies["epoxy"], context.curves[EPOXY_GRIDS[condition]].succeeded()
-    return PODRBF(**study.surrogate).fit(grid.matrix(study.levels), grid.depth)
+    return PODRBF(**dict(study.surrogate)).fit(grid.matrix(study.levels), grid.depth)
 
 
 def epoxy_surrogates(context: Context) -> dict[str, PODRBF]:

@@ -1,26 +1,26 @@
 """Bad studies are refused with file, place and remedy; good ones mean what they say."""
 
-import json
 import re
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 import yaml
 from documents import HOOKS
+from pydantic import BaseModel
 from study_file import CONDITION, STUDY, TRUTH, load
 
-import palpate
 from indentation_files.recording_file import read_recording
 from palpate.cli.main import main
-from palpate.configuration.schema import WITHOUT_LENGTH
+from palpate.configuration.checked_file import WITHOUT_LENGTH, bare, checked_file
 from palpate.configuration.study_file import load_study
+from palpate.configuration.study_sections import StudyFile
 from palpate.errors import InputError
 from palpate.materials import LAWS
 from palpate.study.indenter import AREA, SHAPES
 from palpate.surrogate import KERNELS
 
-SCHEMA = json.loads((Path(palpate.__file__).parent / "configuration/study.schema.json").read_text())
 REFERENCE = (Path(__file__).parents[2] / "docs/study.md").read_text()
 LABORATORY = {"recordings": {"lab": "x"}}
 SOURCE = {"file": "nowhere.txt", "recordings": "lab", "condition": "P1_T30"}
@@ -30,10 +30,10 @@ SILICA = {"youngs_modulus": 72, "poisson_ratio": 0.17, "area": [24.5], "uncertai
 def test_a_length_is_taken_with_the_kernels_that_it_changes(tmp_path):
     for name, kernel in KERNELS.items():
         if kernel.scaled:
-            assert load(tmp_path, surrogate={"kernel": name, "shape": 0.3}).surrogate["shape"] == 0.3
+            assert load(tmp_path, surrogate={"kernel": name, "shape": 0.3}).surrogate.shape == 0.3
         else:
             assert name in WITHOUT_LENGTH
-            assert load(tmp_path, surrogate={"kernel": name, "shape": "loo_each"}).surrogate["shape"] == "loo_each"
+            assert load(tmp_path, surrogate={"kernel": name, "shape": "loo_each"}).surrogate.shape == "loo_each"
 
 
 def test_defaults_and_order(tmp_path):
@@ -42,7 +42,7 @@ def test_defaults_and_order(tmp_path):
     assert len(study.cells) == 4
     assert study.cells[1] == {**study.cells[0], "steady_coefficient": 0.1}
     assert study.free_parameters == ("youngs_modulus", "steady_coefficient")
-    assert (study.points, study.kinematics, study.calibration["population"]) == (100, "large", 200)
+    assert (study.points, study.kinematics, study.calibration.population) == (100, "large", 200)
 
 
 @pytest.mark.parametrize(
@@ -203,14 +203,16 @@ def test_tests_may_be_named_by_their_numbers(tmp_path):
     assert load(tmp_path, source=given, recordings={"lab": "x"}).source["contact"] == contact
 
 
-def tables(rule, name=""):
-    """Yield every table of keys within a rule of the schema, with its name."""
-    if "properties" in rule:
-        yield name or "At the top", rule["properties"]
-    for key, inner in rule.get("properties", {}).items():
-        for part in (inner, inner.get("items"), inner.get("additionalProperties")):
-            if isinstance(part, dict):
-                yield from tables(part, f"{name}.{key}".lstrip("."))
+def tables(kind, name=""):
+    """Yield every table of keys within a declared type, with its place in a study's file."""
+    kind = bare(kind)
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        yield name or "At the top", kind
+        for key, field in kind.model_fields.items():
+            yield from tables(field.annotation, f"{name}.{key}".lstrip("."))
+    else:
+        for inner in get_args(kind):
+            yield from tables(inner, name)
 
 
 def section(name):
@@ -219,16 +221,18 @@ def section(name):
     return HOOKS.expanded(found[1])
 
 
-@pytest.mark.parametrize(("name", "rules"), [pytest.param(*table, id=table[0]) for table in tables(SCHEMA)])
-def test_the_reference_tells_every_key_and_its_default(name, rules):
+@pytest.mark.parametrize(("name", "table"), [pytest.param(*each, id=each[0]) for each in tables(StudyFile)])
+def test_the_reference_tells_every_key_and_its_default(name, table):
     rows = re.search(r"\| key \| meaning \| accepted \| default \|\n.*?\n((?:\|.*\n)+)", section(name))[1].splitlines()
     told = {re.match(r"\| `(\w+)` \|", row)[1]: row for row in rows}
     further = {AREA} | {p.name for declared in SHAPES.values() for p in declared} if name == "indenter" else set()
-    assert set(told) == set(rules) | further
-    for key, rule in rules.items():
-        assert all(f"`{value}`" in told[key] for value in rule.get("enum", ())), key
-        if "default" in rule:
-            assert yaml.safe_load(told[key].split("|")[-2].strip(" `")) == rule["default"], key
+    assert set(told) == set(table.model_fields) | further
+    for key, field in table.model_fields.items():
+        choices = [value for value in get_args(bare(field.annotation)) if isinstance(value, str)]
+        assert all(f"`{value}`" in told[key] for value in choices), key
+        shown = yaml.safe_load(told[key].split("|")[-2].strip(" `"))
+        if isinstance(field.default, str | float | int):
+            assert shown == field.default, key
 
 
 def test_the_reference_tells_what_laws_declare():
@@ -342,6 +346,28 @@ def test_whole_numbers_may_be_written_as_powers_of_ten(tmp_path):
     study = load_study(file)
     assert (study.points, study.cells_per_job) == (50, 10)
     assert isinstance(study.points, int) and isinstance(study.cells_per_job, int)
+
+
+def test_numbers_that_the_command_line_reads_as_text_are_numbers_and_names_stay_text():
+    """Snakemake reads 1e1 as text."""
+    given = STUDY | {
+        "study": "1e5",
+        "points": "5e1",
+        "parameters": STUDY["parameters"] | {"youngs_modulus": ["1e0", "2e0"]},
+        "material": STUDY["material"] | {"poisson_ratio": "3.e-1"},
+        "conditions": [CONDITION | {"name": "1e3", "max_load": "1e1"}],
+        "recordings": {"1e2": "1e4"},
+        "condition_sets": {"2e1": ["1e3"]},
+        "surrogate": {"shape": "5e-1"},
+        "diagnosis": {"reference": SILICA | {"youngs_modulus": "7.2e1", "area": ["2.45e1", 500]}},
+        "source": SOURCE | {"contact": {"A": "1e2"}},
+    }
+    found = checked_file(given)
+    assert (found.study, found.recordings, found.condition_sets) == ("1e5", {"1e2": "1e4"}, {"2e1": ["1e3"]})
+    assert (found.points, found.surrogate.shape, found.source.contact) == (50, 0.5, {"A": 100.0})
+    assert (found.conditions[0].name, found.conditions[0].max_load) == ("1e3", 10.0)
+    assert found.parameters["youngs_modulus"] == [1.0, 2.0] and found.material.poisson_ratio == 0.3
+    assert (found.diagnosis.reference.youngs_modulus, found.diagnosis.reference.area) == (72.0, [24.5, 500.0])
 
 
 def test_the_vendors_file_may_stand_under_data(tmp_path):

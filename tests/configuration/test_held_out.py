@@ -10,6 +10,7 @@ from test_config import CONDITION, load
 from indentation_files.recording import Recording
 from palpate import calibrate, diagnose
 from palpate.cli.main import main
+from palpate.configuration.settings import LaboratorySettings
 from palpate.configuration.study_file import load_study
 from palpate.data.study_recordings import find, observations
 from palpate.errors import InputError
@@ -97,7 +98,7 @@ def test_the_parts_share_the_recordings_of_their_test(tmp_path, monkeypatch):
 
 def test_a_laboratory_records_the_whole_test(monkeypatch):
     monkeypatch.setattr(virtual, "off_the_mesh", lambda specifications, names: specifications)
-    (specification,) = virtual.exact_curves(study_of(STUDY), {"parameters": {"youngs_modulus": 3.0}})
+    (specification,) = virtual.exact_curves(study_of(STUDY), LaboratorySettings(parameters={"youngs_modulus": 3.0}))
     sampled = specification.protocol.sample_time
     assert len(sampled) == virtual.DENSER * STUDY["points"] and np.diff(sampled, prepend=0.0).max() < 1.0
 

@@ -9,6 +9,7 @@ from load_cycles import cycles
 
 from indentation_files.recording import Recording
 from palpate.configuration.condition import Condition
+from palpate.configuration.settings import DiagnosisSettings
 from palpate.diagnosis import exact_constraints
 from palpate.diagnosis.constraints import laws_of
 from palpate.diagnosis.exact_constraints import MOST_POINTS, ExactLaws
@@ -35,7 +36,10 @@ def study(law):
     values = {"youngs_modulus": 3.0, "poisson_ratio": 0.35} | LAWS[law]
     specimen = SimpleNamespace(coefficients=law_of(law).coefficients(values))
     return SimpleNamespace(
-        levels={}, conditions=[None], diagnosis={}, specification=lambda *_: SimpleNamespace(specimen=specimen)
+        levels={},
+        conditions=[None],
+        diagnosis=DiagnosisSettings(),
+        specification=lambda *_: SimpleNamespace(specimen=specimen),
     )
 
 

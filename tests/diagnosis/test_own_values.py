@@ -10,6 +10,7 @@ from diagnosis_problem import CONDITIONS, fitted, recordings
 from diagnosis_problem import problem as task
 
 from palpate.configuration.condition import Condition
+from palpate.configuration.settings import CalibrationSettings, DiagnosisSettings
 from palpate.data.noise import NoiseModel
 from palpate.data.observation import Observation
 from palpate.diagnosis.diagnosis_result import curves, summary
@@ -30,8 +31,8 @@ ELASTIC = Coordinates(MATERIAL.free[:1], {"fluidity": 0.0})
 DRIFT, ZERO = Amplitude("thermal_drift", "rate"), Amplitude("zero_offset", "offset")
 STUDY = SimpleNamespace(
     conditions=(CONDITION,),
-    calibration={"solver_error": 0.001, "site_scatter": 0.01, "law_error": 0.0},
-    diagnosis={"bootstrap": 400},
+    calibration=CalibrationSettings(solver_error=0.001, site_scatter=0.01, law_error=0.0),
+    diagnosis=DiagnosisSettings(bootstrap=400),
 )
 
 
@@ -101,7 +102,7 @@ def test_the_rates_of_single_recordings_lie_within_their_intervals():
         problem, drift = task(observed), ("thermal_drift",)
         rough = fitted(problem, drift)
         fit = fitted(problem, drift, rough.z, rough.residual)
-        study = SimpleNamespace(conditions=CONDITIONS, calibration={"solver_error": 0.003})
+        study = SimpleNamespace(conditions=CONDITIONS, calibration=CalibrationSettings(solver_error=0.003))
         rows = recording_values(study, observed, fit)["thermal_drift.rate"]
         held += [row["lower"] < rates[row["condition"]] < row["upper"] for row in rows]
     assert np.mean(held) > 0.85

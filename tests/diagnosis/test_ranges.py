@@ -21,7 +21,7 @@ CHALLENGE = Path(__file__).parents[2] / "config" / "challenge.yaml"
 
 def ranged(ranges):
     study = load_study(CHALLENGE)
-    return replace(study, diagnosis=study.diagnosis | {"ranges": ranges})
+    return replace(study, diagnosis=study.diagnosis.model_copy(update={"ranges": ranges}))
 
 
 def amplitudes(mechanism, scale, share):
@@ -84,7 +84,7 @@ def test_draws_that_cannot_show_a_misfit_are_refused(level, draws, least):
     """Of three kinds of tests together, draws give p-values of 3 / (draws + 1) at least."""
     study = load_study(CHALLENGE)
     few, enough = (
-        replace(study, diagnosis=study.diagnosis | {"significance": level, "bootstrap": count})
+        replace(study, diagnosis=study.diagnosis.model_copy(update={"significance": level, "bootstrap": count}))
         for count in (draws, least)
     )
     with pytest.raises(InputError, match=f"draw {least} or more"):

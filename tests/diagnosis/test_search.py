@@ -11,6 +11,7 @@ import pytest
 from closed_forms import MATERIAL
 from diagnosis_problem import problem, recordings, search_of
 
+from palpate.configuration.settings import DiagnosisSettings
 from palpate.diagnosis.diagnose import _explore
 from palpate.diagnosis.explanations import (
     Explanations,
@@ -158,7 +159,7 @@ def explored(expected, proves=None, policy=POLICY, largest=2):
     keys = sorted({key for names in expected for key in names.split("+")})
     search = SimpleNamespace(
         screen=SimpleNamespace(keys=keys),
-        study=SimpleNamespace(diagnosis={"largest_set": largest}),
+        study=SimpleNamespace(diagnosis=DiagnosisSettings(largest_set=largest)),
         policy=policy,
         base=candidate("", 0.0),
         joined=joined,

@@ -7,6 +7,7 @@ from closed_forms import TRUTH, ClosedForms, cone
 from scipy.linalg import toeplitz
 
 from palpate.configuration.condition import Condition
+from palpate.configuration.settings import CalibrationSettings, DiagnosisSettings
 from palpate.data.observation import Observation
 from palpate.diagnosis.search import Search
 from palpate.inference.problem import Problem
@@ -21,14 +22,8 @@ CONDITIONS = tuple(
 SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=100, loading_time=10, half_angle=70.3, pressure=0.2)
 STUDY = SimpleNamespace(
     seed=1,
-    diagnosis={
-        "bootstrap": 400,
-        "largest_set": 2,
-        "significance": 0.01,
-        "tolerance": 0.01,
-        "smallest_effect": 0.003,
-    },
-    calibration={"site_scatter": 0.01, "solver_error": 0.003, "law_error": 0.0},
+    diagnosis=DiagnosisSettings(bootstrap=400),
+    calibration=CalibrationSettings(site_scatter=0.01, solver_error=0.003, law_error=0.0),
 )
 
 

@@ -8,6 +8,7 @@ import pytest
 from closed_forms import MATERIAL, TRUTH, ClosedForms
 
 from palpate.configuration.condition import Condition
+from palpate.configuration.settings import CalibrationSettings, DiagnosisSettings
 from palpate.data.observation import Observation
 from palpate.diagnosis.search import Search
 from palpate.inference.problem import Problem
@@ -22,9 +23,9 @@ SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=50, loading_time=20, h
 ELASTIC = Coordinates(MATERIAL.free[:1], {"fluidity": 0.0})
 LARGEST = 2.0  # s, of the delays that are searched in tests of this length
 STUDY = SimpleNamespace(
-    calibration={"solver_error": 0.001, "site_scatter": 0.01, "law_error": 0.0},
+    calibration=CalibrationSettings(solver_error=0.001, site_scatter=0.01, law_error=0.0),
     seed=1,
-    diagnosis={"bootstrap": 400, "largest_set": 1, "significance": 0.01, "tolerance": 0.01, "smallest_effect": 0.003},
+    diagnosis=DiagnosisSettings(bootstrap=400, largest_set=1),
 )
 
 

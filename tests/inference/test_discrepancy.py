@@ -6,7 +6,8 @@ from scipy.linalg import cholesky
 from scipy.special import logsumexp
 
 from palpate.classical import ting
-from palpate.inference.calibrate import CalibrationSettings, base_fit
+from palpate.configuration.settings import CalibrationSettings
+from palpate.inference.calibrate import base_fit
 from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, SIZES, Discrepancy, Size, log_prior
 from palpate.inference.estimates import intervals, law_discrepancy
 from palpate.inference.marginal import Marginal, Modes

@@ -8,13 +8,14 @@ import yaml
 
 from indentation_files.recording import Recording
 from palpate.configuration.condition import Condition
+from palpate.configuration.settings import CalibrationSettings
 from palpate.configuration.study_file import load_study
 from palpate.data.measures import error_measures
 from palpate.data.observation import Observation
 from palpate.data.recording_checks import check_drive
 from palpate.data.study_recordings import check_given, observations
 from palpate.errors import InputError
-from palpate.inference.calibrate import CalibrationSettings, calibrate
+from palpate.inference.calibrate import calibrate
 from palpate.inference.covariance import model_covariance
 from palpate.inference.problem import Problem
 from palpate.laboratory.virtual import disturbed
@@ -27,7 +28,6 @@ from palpate.study.indenter import Indenter
 from palpate.study.load_history import protocol_from
 from palpate.study.protocol import DISPLACEMENT, trapezoid
 from palpate.surrogate import PODRBF
-from palpate.surrogate.genetic import GeneticSettings
 from studies.thesis.surrogate_forward import SurrogateForward
 
 CONE = Indenter("cone", 70.3)
@@ -220,7 +220,7 @@ def test_loads_and_depths_calibrate_one_material_together():
     truth = {"modulus": 3.0, "relaxing": 2.0}
     scale = Scale(depth=400, load=1.0, modulus=3.0, duration=65, loading_time=5, half_angle=70.3, pressure=0.2)
     quantity, ratios = Quantity.of(LOAD, pushed, CONE, load(**truth)), []
-    settings = CalibrationSettings(GeneticSettings(population=40, generations=20))
+    settings = CalibrationSettings(population=40, generations=20)
     for seed in range(5):
         rng = np.random.default_rng(seed)
         sites, noise = 0.01 * rng.standard_normal((2, 4, 1)), rng.standard_normal((2, 4, 40))

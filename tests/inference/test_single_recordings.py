@@ -1,7 +1,5 @@
 """Calibration on one recording of each condition, where noise cannot be distinguished from misfit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
@@ -22,7 +20,9 @@ def one_recording():
 
 
 def calibrated_with(solver_error, seed=0):
-    return calibrated(one_recording(), settings=replace(QUICK, solver_error=solver_error, law_error=0.0), seed=seed)
+    return calibrated(
+        one_recording(), settings=QUICK.model_copy(update={"solver_error": solver_error, "law_error": 0.0}), seed=seed
+    )
 
 
 @pytest.mark.parametrize("solver_error", [0.0, 0.03])

@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from indentation_files.recording_file import read_recording
+from palpate.configuration.settings import LaboratorySettings
 from palpate.configuration.study_file import load_study
 from palpate.errors import PalpateError
 from palpate.laboratory import virtual
@@ -63,15 +64,15 @@ def test_a_denser_protocol_holds_every_sample_of_the_one_it_refines():
 
 @pytest.mark.usefixtures("truth_once")
 def test_without_noise_and_scatter_replicates_are_the_same_curve(study):
-    recordings = virtual.record(study, SETTINGS)
+    recordings = virtual.record(study, LaboratorySettings(**SETTINGS))
     assert list(recordings) == ["a_1", "a_2", "a_3"]
     assert np.array_equal(recordings["a_1"].depth, recordings["a_3"].depth)
 
 
 @pytest.mark.usefixtures("truth_once")
 def test_scatter_between_sites_is_one_factor_for_each_recording(study):
-    exact = virtual.record(study, SETTINGS)["a_1"].depth
-    scattered = virtual.record(study, {**SETTINGS, "site_scatter": 0.05})
+    exact = virtual.record(study, LaboratorySettings(**SETTINGS))["a_1"].depth
+    scattered = virtual.record(study, LaboratorySettings(**{**SETTINGS, "site_scatter": 0.05}))
     ratios = np.array([recording.depth / exact for recording in scattered.values()])
     assert np.allclose(ratios, ratios[:, :1])
     assert len(np.unique(ratios[:, 0].round(12))) == 3
@@ -127,4 +128,4 @@ def test_its_curves_share_no_node_with_those_of_a_fit_and_agree_within_grid_conv
     (off,), (on,) = virtual.off_the_mesh([specification], ["a"]), simulate_batch([specification])
     assert not np.array_equal(off.depth, on.depth)
     loaded = on.load > 0.05 * on.load.max()
-    assert off.depth[loaded] == pytest.approx(on.depth[loaded], rel=study.calibration["solver_error"])
+    assert off.depth[loaded] == pytest.approx(on.depth[loaded], rel=study.calibration.solver_error)

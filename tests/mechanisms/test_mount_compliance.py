@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from diagnosis_problem import CONDITIONS, fitted, problem, recordings
 
+from palpate.configuration.settings import CalibrationSettings
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.own_values import recording_values
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import Assumption, breaking
 
 KEY, FRAME = "mount_compliance", "frame_compliance"
-STUDY = SimpleNamespace(conditions=CONDITIONS, calibration={"solver_error": 0.003})
+STUDY = SimpleNamespace(conditions=CONDITIONS, calibration=CalibrationSettings(solver_error=0.003))
 
 
 def both(compliance):

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from diagnosis_problem import CONDITIONS, RECORD_ONLY, problem, recordings, search_of
 
+from palpate.configuration.settings import CalibrationSettings
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.own_values import recording_values
 from palpate.mechanisms import MECHANISMS
 
 KEY = "nonsteady_drift"
 RATE, AMPLITUDE, TIME = 0.1, 20.0, 12.0
-STUDY = SimpleNamespace(conditions=CONDITIONS, calibration={"solver_error": 0.003})
+STUDY = SimpleNamespace(conditions=CONDITIONS, calibration=CalibrationSettings(solver_error=0.003))
 
 
 def added(time, rate=RATE, amplitude=AMPLITUDE, constant=TIME):

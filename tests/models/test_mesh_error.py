@@ -118,7 +118,7 @@ def test_the_base_models_curves_serve_a_body_that_yields(study, plain, record, s
     u = np.append(plain.coordinates.scaled(middle(study) | {"youngs_modulus": 3.7}), [share, 0.6])
     (found,) = yielding.curves([u])
     true = on_fine_mesh(yielding, u, condition)
-    assert off_where_loaded(found["T010"], true, condition) < study.calibration["solver_error"]
+    assert off_where_loaded(found["T010"], true, condition) < study.calibration.solver_error
 
 
 @pytest.mark.slow

@@ -10,6 +10,7 @@ import yaml
 from elastic_tests import MODULUS, elastic
 
 from palpate.analytic import sneddon
+from palpate.configuration.settings import Design
 from palpate.configuration.study_file import load_study
 from palpate.data.study_recordings import check, resampled
 from palpate.diagnosis.study_diagnosis import run_diagnosis
@@ -63,8 +64,8 @@ def test_tests_of_one_method_are_calibrated_each_under_its_own_load(method):
     The simulation moves the surface inwards under the cone, which Sneddon neglects: 2 % of the modulus at this ratio,
     where that is not taken for a discrepancy of the law.
     """
-    exact = method.calibration | {"law_error": 0.0}
-    study = replace(method, design={"kind": "sobol", "points": 16}, calibration=exact)
+    exact = method.calibration.model_copy(update={"law_error": 0.0})
+    study = replace(method, design=Design(kind="sobol", points=16), calibration=exact)
     observed = resampled(study, check(study, "lab"))
     contents = [
         {"parameters": cell, "status": "ok", "quantity": "depth", "depth": outcome.depth}

@@ -306,7 +306,7 @@ def test_sets_of_a_study_are_taken_by_name_from_folders_and_laboratories(tmp_pat
     assert made[0].synthetic
     assert not Path("results").exists()
     virtual.write(study, "lab", study.recordings["lab"])
-    stale = replace(study, laboratory={"lab": study.laboratory["lab"] | {"seed": 5}})
+    stale = replace(study, laboratory={"lab": study.laboratory["lab"].model_copy(update={"seed": 5})})
     assert given_tests(stale, "lab")[1]["A"][0].depth != pytest.approx(made[0].depth)
     for one, other in zip(made, given_tests(study, "lab")[1]["A"], strict=True):
         assert one.depth == pytest.approx(other.depth, rel=1e-6)

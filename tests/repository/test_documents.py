@@ -2,20 +2,20 @@
 
 import ast
 import importlib
-import json
 import re
 import shlex
 from pathlib import Path
+from typing import Annotated
 
-import jsonschema
 import pytest
 import yaml
 from documents import DOCS, HOOKS
+from pydantic import TypeAdapter
 
-import palpate
 from indentation_files.readers import READERS
 from palpate.cli.main import command_line
 from palpate.configuration.study_file import study_from
+from palpate.configuration.study_sections import StudyFile
 from palpate.materials import LAWS
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.simulation import KEYS, specification_from
@@ -30,7 +30,6 @@ DOCUMENTS = [
     *ROOT.glob("results/*.md"),
     *ROOT.glob("studies/*/*.md"),
 ]
-SCHEMA = json.loads((Path(palpate.__file__).parent / "configuration/study.schema.json").read_text())
 RULES = [ROOT / "Snakefile", *ROOT.glob("workflow/rules/*.smk"), *ROOT.glob("studies/*/rules.smk")]
 TARGETS = {name for file in RULES for name in re.findall(r"^ *rule (\w+):", file.read_text(), re.MULTILINE)}
 PART = "# part of"  # how a block of YAML that is no whole study begins
@@ -160,8 +159,10 @@ def test_studies_and_specifications_load(file, tmp_path, monkeypatch):
         values = yaml.safe_load(block)
         if block.startswith(PART):
             for key, value in values.items():
-                assert key in SCHEMA["properties"] or key in KEYS, key
-                jsonschema.validate(value, SCHEMA["properties"].get(key, {}))
+                assert key in StudyFile.model_fields or key in KEYS, key
+                if key in StudyFile.model_fields:
+                    field = StudyFile.model_fields[key]
+                    TypeAdapter(Annotated[field.annotation, field]).validate_python(value)
         elif "protocol" in values:
             specification_from(values)
         else:

@@ -13,6 +13,7 @@ from scipy.stats import qmc
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
+from palpate.configuration.settings import SurrogateSettings
 from palpate.errors import InputError, PalpateError
 from palpate.surrogate import KERNELS, PODRBF, ConditionError
 from palpate.surrogate.saved import load, save
@@ -177,7 +178,7 @@ def test_points_of_no_depth_do_not_count_in_the_relative_error():
         {"quantity": "depth", "status": "ok", "parameters": {"modulus": value}, "depth": curve}
         for value, curve in zip(modulus[:, 0], curves, strict=True)
     ]
-    study = SimpleNamespace(levels={"modulus": modulus[:, 0]}, surrogate={})
+    study = SimpleNamespace(levels={"modulus": modulus[:, 0]}, surrogate=SurrogateSettings())
     model, _, _, summary = steps.fit_surrogate(study, "one", contents)
     relative = (model.loo_error_ / curves)[:, :-1]
     assert summary["loo_relative_percent"] == pytest.approx(100 * np.sqrt(np.mean(relative**2, axis=0)).mean())

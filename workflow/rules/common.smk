@@ -38,6 +38,8 @@ try:
 except InputError as error:  # compiled kernels can be kept nowhere
     refuse(error)
 
+from pydantic_core import to_jsonable_python
+
 import palpate
 from palpate.base.checksum import checksum
 from palpate.base.fingerprint import fingerprint
@@ -82,8 +84,9 @@ def code(script):
 
 
 def constant(value):
-    """A parameter as it is: in bare text Snakemake would take {braces} for wildcards."""
-    return lambda wildcards: value
+    """A parameter as it is, of settings their keys: in bare text Snakemake would take {braces} for wildcards."""
+    given = to_jsonable_python(value)
+    return lambda wildcards: given
 
 
 def attempt(receipt):
@@ -174,7 +177,7 @@ if workflow.is_main_process:
             lambda: set(workflow.dag_settings.targets) <= {"all"},
         )
     )
-DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis["enabled"] else []
+DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis.enabled else []
 
 
 wildcard_constraints:

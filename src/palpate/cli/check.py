@@ -104,7 +104,7 @@ def _described(
         unread = () if written_by_workflow(study, name) else passed_over(folder)
         yield from (f"recordings {name}: {remark}" for remark in (*unread, *remarks[name]))
         repeated = [condition for condition in calibrated if tests[condition] > 1]
-        if study.diagnosis["enabled"] and 2 * len(repeated) <= len(calibrated):
+        if study.diagnosis.enabled and 2 * len(repeated) <= len(calibrated):
             yield f"recordings {name}: too few tests are repeated for the diagnosis to identify an effect"
 
 

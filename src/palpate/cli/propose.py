@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     InputError
         When there is no such study or set, or its recordings were not diagnosed.
     """
-    from palpate.configuration.schema import suggestion
+    from palpate.configuration.checked_file import suggestion
     from palpate.configuration.study_file import study_from
     from palpate.workflow_support.job import plain
     from palpate.workflow_support.named_study import named_study

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from palpate.configuration.schema import suggestion
+from palpate.configuration.checked_file import suggestion
+from palpate.configuration.study_sections import EvidenceEntry
 from palpate.errors import InputError, part_of
 
 NONE = "none"  # of a test that belongs to no condition
@@ -45,13 +45,13 @@ class EvidenceFile:
         return self.file.stem
 
 
-def evidence_from(given: Sequence[Mapping[str, Any]], conditions: Sequence[str]) -> tuple[EvidenceFile, ...]:
+def evidence_from(given: Sequence[EvidenceEntry], conditions: Sequence[str]) -> tuple[EvidenceFile, ...]:
     """Return the entries of a section ``evidence``.
 
     Parameters
     ----------
     given
-        The entries, which keep to the schema.
+        The entries.
     conditions
         Names of the study's conditions.
 
@@ -63,19 +63,19 @@ def evidence_from(given: Sequence[Mapping[str, Any]], conditions: Sequence[str])
     """
     found: list[EvidenceFile] = []
     for k, entry in enumerate(given):
-        file, of = Path(entry["file"]).expanduser(), entry.get("of") or NONE
+        file, of = Path(entry.file).expanduser(), entry.of or NONE
         with part_of(f"evidence[{k}]"):
             _check_owner(entry, of, conditions)
             if file.stem in [each.name for each in found]:
                 remedy = "rename one of them: results are listed by the name of the file"
                 raise InputError(f"another file of evidence is called {file.stem}, too", remedy=remedy, place="file")
-        found.append(EvidenceFile(entry["kind"], file, entry.get("role", "calibrate"), entry.get("control", AUTO), of))
+        found.append(EvidenceFile(entry.kind, file, entry.role, entry.control, of))
     return tuple(found)
 
 
-def _check_owner(entry: Mapping[str, Any], of: str, conditions: Sequence[str]) -> None:
+def _check_owner(entry: EvidenceEntry, of: str, conditions: Sequence[str]) -> None:
     """Refuse a condition that does not belong to evidence, or is missing, and an imprint that calibrates."""
-    imprint = entry["kind"] == IMPRINT
+    imprint = entry.kind == IMPRINT
     if of != NONE and of not in conditions:
         remedy = f"use one of: {', '.join(conditions)}" if imprint else "write of: none, or leave it out"
         problem = f"{of!r} is no condition of the study{suggestion(of, conditions)}"
@@ -86,9 +86,9 @@ def _check_owner(entry: Mapping[str, Any], of: str, conditions: Sequence[str]) -
     if imprint and of == NONE:
         remedy = f"name its condition: {', '.join(conditions)}"
         raise InputError("an imprint without the test that made it says nothing", remedy=remedy, place="of")
-    if imprint and entry.get("role", "calibrate") == "calibrate":
+    if imprint and entry.role == "calibrate":
         raise InputError(
             "an imprint judges the law, it cannot calibrate it yet", remedy="write role: validate", place="role"
         )
-    if imprint and entry.get("control", AUTO) != AUTO:
+    if imprint and entry.control != AUTO:
         raise InputError("nothing is prescribed of an imprint", remedy="leave it out", place="control")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import product
 from math import prod
 from typing import Any
 
-from palpate.configuration.schema import suggestion
+from palpate.configuration.checked_file import suggestion
 from palpate.errors import InputError, part_of
 from palpate.materials import law_of
 
@@ -15,7 +15,7 @@ MOST_MATERIALS = 200_000  # of a grid; more are simulated for days, and planned 
 
 
 def checked_levels(
-    model: str, material: Mapping[str, Any], given: Mapping[str, list[float]], kind: str
+    model: str, material: Mapping[str, Any], given: Mapping[str, Sequence[float]], kind: str
 ) -> dict[str, tuple[float, ...]]:
     """Return the levels of each parameter, after fixed values and levels have been checked against the law.
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
+from palpate.configuration.study_sections import StudyFile
 from palpate.errors import InputError
 
 RESERVED = (
@@ -14,34 +13,33 @@ RESERVED = (
 )  # fmt: skip
 
 
-def recording_sets(settings: Mapping[str, Any]) -> dict[str, Path]:
+def recording_sets(study: StudyFile) -> dict[str, Path]:
     """Return the folder of each set of recordings.
 
     Parameters
     ----------
-    settings
-        The study, whose sections ``laboratory`` and ``source`` write sets.
+    study
+        Its file, whose sections ``laboratory`` and ``source`` write sets.
 
     Raises
     ------
     InputError
         When a set has the name of other results, is written but not named, or is written twice.
     """
-    given, laboratory = settings.get("recordings", {}), settings.get("laboratory", {})
-    for name in given:
+    for name in study.recordings:
         if name in RESERVED:
             raise InputError(
                 f"{name!r} is reserved for other results", remedy="choose another name", place="recordings"
             )
-    for name in laboratory:
-        if name not in given:
+    for name in study.laboratory:
+        if name not in study.recordings:
             raise InputError(
                 f"{name} is no set of recordings", remedy=f"add the folder of {name} to recordings",
                 place=f"laboratory.{name}",
             )  # fmt: skip
-        if name == settings.get("source", {}).get("recordings"):
+        if study.source and name == study.source.recordings:
             raise InputError(
                 f"{name} is converted from the vendor's file, too", remedy="take it out here or under source",
                 place=f"laboratory.{name}",
             )  # fmt: skip
-    return {name: Path(folder).expanduser() for name, folder in given.items()}
+    return {name: Path(folder).expanduser() for name, folder in study.recordings.items()}

@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from indentation_files.readers import locate
-from palpate.configuration.schema import suggestion
+from palpate.base.yaml_file import plain
+from palpate.configuration.checked_file import suggestion
+from palpate.configuration.study_sections import StudyFile
 from palpate.errors import InputError
 
 
-def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]:
+def source_from(given: StudyFile, data: str | None) -> dict[str, Any]:
     """Return the section ``source``, with the vendor's file at `data` if that is given, and check what it names.
 
     Raises
@@ -20,17 +22,18 @@ def source_from(settings: Mapping[str, Any], data: str | None) -> dict[str, Any]
     InputError
         When the study has no such section but data, a set or a condition is not the study's, or the file is missing.
     """
-    if "source" not in settings:
+    if given.source is None:
         if data is not None:
             raise InputError(
                 "data is given, but the study has no section source", remedy="leave data off", place="data"
             )
         return {}
-    given = None if data is None else os.path.expanduser(data)
-    source = {**settings["source"], "file": locate(os.path.expanduser(settings["source"]["file"]), given)}
-    conditions = [entry["name"] for entry in settings["conditions"]]
+    under = None if data is None else os.path.expanduser(data)
+    section = plain(given.source.model_dump(exclude_none=True))
+    source = {**section, "file": locate(os.path.expanduser(given.source.file), under)}
+    conditions = [entry.name for entry in given.conditions]
     for key, name, known in (
-        ("recordings", source["recordings"], list(settings.get("recordings", {}))),
+        ("recordings", source["recordings"], list(given.recordings)),
         *(("condition", name, conditions) for name in conditions_of(source)),
     ):
         if name not in known:

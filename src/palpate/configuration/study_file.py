@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -13,12 +13,20 @@ import numpy as np
 from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
+from palpate.configuration.checked_file import check_contradictions, checked_file, suggestion
 from palpate.configuration.condition import Condition, conditions_of_entry
 from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
 from palpate.configuration.recording_sets import recording_sets
-from palpate.configuration.schema import check_contradictions, check_schema, study_schema, suggestion, with_defaults
+from palpate.configuration.settings import (
+    CalibrationSettings,
+    Challenge,
+    Design,
+    DiagnosisSettings,
+    LaboratorySettings,
+    SurrogateSettings,
+)
 from palpate.configuration.source_section import source_from
 from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
@@ -32,8 +40,8 @@ SHARED = (  # names in results that belong to no study
     "thesis", "verification",
 )  # fmt: skip
 TAKEN_AS_THEY_ARE = (
-    "accuracy", "calibration", "cells_per_job", "challenge", "design", "diagnosis", "kinematics", "points", "seed",
-    "surrogate",
+    "accuracy", "calibration", "cells_per_job", "challenge", "design", "diagnosis", "kinematics", "laboratory",
+    "points", "seed", "surrogate",
 )  # fmt: skip
 
 
@@ -62,8 +70,11 @@ class Study:
         Names of the conditions that each calibration uses; ``all`` is always there.
     recordings, evidence
         Folder of each set of recordings, and what was measured of the material besides indentation.
-    cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory, source
+    cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory
         Settings with their defaults filled in.
+    source
+        The vendor's file that a set of recordings is converted from, see `indentation_files.readers.read_source`; empty
+        without one.
     source_tests
         Reads the tests of each condition from the vendor's file of `source`, once.
     """
@@ -74,7 +85,7 @@ class Study:
     model: str
     fixed: Mapping[str, float]
     levels: Mapping[str, tuple[float, ...]]
-    design: Mapping[str, Any]
+    design: Design
     indenter: Indenter
     kinematics: str
     accuracy: str
@@ -85,11 +96,11 @@ class Study:
     evidence: tuple[EvidenceFile, ...]
     cells_per_job: int | None
     seed: int
-    surrogate: Mapping[str, Any]
-    calibration: Mapping[str, Any]
-    diagnosis: Mapping[str, Any]
-    challenge: Mapping[str, Any]
-    laboratory: Mapping[str, Mapping[str, Any]]
+    surrogate: SurrogateSettings
+    calibration: CalibrationSettings
+    diagnosis: DiagnosisSettings
+    challenge: Challenge
+    laboratory: Mapping[str, LaboratorySettings]
     source: Mapping[str, Any]
     source_tests: Callable[[], Mapping[str, list[VendorTest]]] = field(compare=False, repr=False)
 
@@ -106,11 +117,11 @@ class Study:
     @property
     def cells(self) -> list[dict[str, float]]:
         """Material parameters of the snapshots."""
-        if self.design["kind"] == "factorial":
+        if self.design.kind == "factorial":
             return factorial(self.levels)
         constant = {name: levels[0] for name, levels in self.levels.items()}
         bounds = {name: (min(self.levels[name]), max(self.levels[name])) for name in self.free_parameters}
-        return [{**constant, **point} for point in sobol(bounds, self.design["points"], self.seed)]
+        return [{**constant, **point} for point in sobol(bounds, self.design.points, self.seed)]
 
     @property
     def calibrated(self) -> list[Condition]:
@@ -188,51 +199,45 @@ def study_from(values: Any, file: str | Path, data: str | None = None) -> Study:
 
 
 def _study(values: Any, path: Path, data: str | None) -> Study:
-    schema = study_schema()
-    check_schema(values, schema)
-    if values["study"] in SHARED:
-        raise InputError(
-            f"{values['study']!r} is reserved for other results", remedy="choose another name", place="study"
-        )
-    settings = with_defaults(values, schema)
-    for section in ("diagnosis", "challenge"):
-        known(settings[section]["mechanisms"], f"{section}.mechanisms")
-    check_contradictions(values)
-    material = dict(values["material"])
+    given = checked_file(values)
+    if given.study in SHARED:
+        raise InputError(f"{given.study!r} is reserved for other results", remedy="choose another name", place="study")
+    known(given.diagnosis.mechanisms, "diagnosis.mechanisms")
+    known(given.challenge.mechanisms, "challenge.mechanisms")
+    check_contradictions(given)
+    material = given.material.model_dump()
     with part_of("material"):
         model = law_of(material.pop("model")).key
-    source = source_from(settings, data if data is not None else values.get("data"))
+    source = source_from(given, data if data is not None else given.data)
     tests = cache(lambda: read_source(source))
-    levels = checked_levels(model, material, values["parameters"], settings["design"]["kind"])
+    levels = checked_levels(model, material, given.parameters, given.design.kind)
     with part_of("indenter"):
-        indenter = Indenter.from_mapping(values["indenter"])
-    recordings = recording_sets(settings)
-    laboratory = settings.get("laboratory", {})
-    measured = {name: folder for name, folder in recordings.items() if name not in laboratory}
-    histories = Histories(settings["points"], measured, source, tests)
+        indenter = Indenter.from_mapping(given.indenter.model_dump())
+    recordings = recording_sets(given)
+    measured = {name: folder for name, folder in recordings.items() if name not in given.laboratory}
+    histories = Histories(given.points, measured, source, tests)
     least = 1 + sum(len(each) > 1 for each in levels.values())
-    entries = enumerate(values["conditions"])
+    entries = enumerate(each.model_dump(exclude_unset=True, exclude_none=True) for each in given.conditions)
     conditions = tuple(each for k, entry in entries for each in conditions_of_entry(k, entry, histories, least))
     names = [condition.name for condition in conditions]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"condition {name!r} is given twice", remedy="rename one of them", place="conditions")
     study = Study(
-        name=values["study"],
-        title=values.get("title", values["study"]),
+        name=given.study,
+        title=given.title or given.study,
         file=path,
         model=model,
         fixed=material,
         levels=levels,
         indenter=indenter,
         conditions=conditions,
-        condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
+        condition_sets=_condition_sets(given.condition_sets, conditions),
         recordings=recordings,
-        evidence=evidence_from(settings["evidence"], names),
-        laboratory=laboratory,
+        evidence=evidence_from(given.evidence, names),
         source=source,
         source_tests=tests,
-        **{key: settings[key] for key in TAKEN_AS_THEY_ARE},
+        **{key: getattr(given, key) for key in TAKEN_AS_THEY_ARE},
     )
     study.specification(study.cells[0], conditions[0])
     _check_laboratories(study)
@@ -243,19 +248,21 @@ def _check_laboratories(study: Study) -> None:
     for key, settings in study.laboratory.items():
         place = f"laboratory.{key}"
         with part_of(f"{place}.parameters"):
-            for name in settings["parameters"]:
+            for name in settings.parameters:
                 if name in study.fixed:
                     raise InputError(
                         f"is {study.fixed[name]:g} under material",
                         remedy="take it out here, or give it levels under parameters",
                         place=name,
                     )
-            study.specification(settings["parameters"], study.conditions[0])
+            study.specification(settings.parameters, study.conditions[0])
         with part_of(place):
-            checked_mechanisms(settings.get("mechanisms"))
+            checked_mechanisms(settings.mechanisms)
 
 
-def _condition_sets(given: Mapping[str, list[str]], conditions: tuple[Condition, ...]) -> dict[str, tuple[str, ...]]:
+def _condition_sets(
+    given: Mapping[str, Sequence[str]], conditions: tuple[Condition, ...]
+) -> dict[str, tuple[str, ...]]:
     calibrate = tuple(condition.name for condition in conditions if condition.role == "calibrate")
     if not calibrate:
         raise InputError("no condition has the role calibrate", remedy="give one that role", place="conditions")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from indentation_files.recording import Recording, copies, stiffness_file
 from indentation_files.recording_file import condition_of, read_recording, recording_files
-from palpate.configuration.schema import suggestion
+from palpate.configuration.checked_file import suggestion
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.data.recording_checks import checked_recording
@@ -165,7 +165,7 @@ def written_by_workflow(study: Study, name: str) -> bool:
 def tests_to_come(study: Study, name: str) -> dict[str, int]:
     """Return how many recordings of each condition of set `name` the workflow will write itself."""
     if name in study.laboratory:
-        return dict.fromkeys(study.tested, study.laboratory[name]["replicates"])
+        return dict.fromkeys(study.tested, study.laboratory[name].replicates)
     if name == study.source.get("recordings"):
         return {condition: len(tests) for condition, tests in study.source_tests().items()}
     return {}

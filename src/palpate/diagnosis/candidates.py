@@ -35,10 +35,10 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
-    wanted = considered(study.diagnosis["mechanisms"], "diagnosis.mechanisms")
+    wanted = considered(study.diagnosis.mechanisms, "diagnosis.mechanisms")
     tests = {condition.protocol.control: condition for condition in study.calibrated}
     specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
-    _check_draws(study.diagnosis["bootstrap"], study.diagnosis["significance"])
+    _check_draws(study.diagnosis.bootstrap, study.diagnosis.significance)
     _check_ranges(scale, list(wanted))
     for key in scale.stated:
         _check_ends(study, scale, MECHANISMS[key])
@@ -51,7 +51,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
             for specification in specifications:
                 applied_to_body(replace(specification, mechanisms={key: values}))
         except InputError:
-            if study.diagnosis["mechanisms"]:
+            if study.diagnosis.mechanisms:
                 raise
             continue
         found[key] = mechanism

@@ -119,12 +119,12 @@ def _frame_by_oscillation(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
 
 def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[AmplitudeConstraint]:
     """Return the frame from unloadings where the study's solid and tip are a reference; else an empty list."""
-    given = study.diagnosis.get("reference")
+    given = study.diagnosis.reference
     if given is None:
         return []
-    solid = (1.0 - given["poisson_ratio"] ** 2) / given["youngs_modulus"]
+    solid = (1.0 - given.poisson_ratio**2) / given.youngs_modulus
     reduced = 1.0 / (solid + study.indenter.compliance)
-    reference = ReferenceSample(reduced, AreaFunction(tuple(given["area"])), given["uncertainty"])
+    reference = ReferenceSample(reduced, AreaFunction(tuple(given.area)), given.uncertainty)
     frame = frame_of_reference([(test.load, test.depth) for test in recordings], reference)
     return [_law_of(frame, "unloadings of a solid of known modulus", (Assumption.ONE_COMPLIANCE,))]
 

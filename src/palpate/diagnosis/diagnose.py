@@ -120,7 +120,7 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
         Called with one line on the progress.
     """
     search = fits.search
-    policy, largest = search.policy, search.study.diagnosis["largest_set"]
+    policy, largest = search.policy, search.study.diagnosis.largest_set
     to_try: dict[Members, ExplanationToTry] = {}
 
     def extend(fit: Fit) -> None:
@@ -211,7 +211,7 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     probabilities = acting(stated, _acts(search, found, stated))
     group = [m for m in smallest_group(probabilities, policy.held) if m in found.fitted] or [frozenset()]
     tried = [found.fitted[members] for members in sorted(found.fitted, key=lambda each: -found.log_weight(each))]
-    within = [found.fitted[m].within(settings["tolerance"], settings["significance"]) for m in group]
+    within = [found.fitted[m].within(settings.tolerance, settings.significance) for m in group]
     whole = float(np.average(within, weights=[probabilities[m] for m in group]))
     tolerated = False if whole < 1.0 - LIKELIER else True if whole >= SURE else "undecided"
     undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, tried, failed)
@@ -231,7 +231,7 @@ def _acts(search: Search, found: Explanations, stated: Mapping[Members, float]) 
 
     Of a set that was not fitted, as its last mechanism only adds to the depth, that follows to first order.
     """
-    smallest, acts = search.study.diagnosis["smallest_effect"], dict[Members, dict[str, float]]()
+    smallest, acts = search.study.diagnosis.smallest_effect, dict[Members, dict[str, float]]()
     for members in sorted(stated, key=len):
         if members in found.fitted and stated[members] >= LIKELY:
             acts[members] = {key: effect_size(found.fitted[members].fit, key).acts(smallest) for key in members}

@@ -174,7 +174,7 @@ def _pattern(
     study: Study, base: Candidate, residuals: Residuals, location: Sequence[Mapping[str, Any]], screen: Screen
 ) -> str | None:
     """Return what the residual of a rejected base model follows where no single part is significant."""
-    if base.p_value >= study.diagnosis["significance"] or any(row["q_value"] < CERTAIN for row in location):
+    if base.p_value >= study.diagnosis.significance or any(row["q_value"] < CERTAIN for row in location):
         return None
     return residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})[0]
 
@@ -236,7 +236,7 @@ def to_mapping(
     """
     base = diagnosis.base
     best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
-    residuals = Residuals.of(base.fit, study.diagnosis["tolerance"])
+    residuals = Residuals.of(base.fit, study.diagnosis.tolerance)
     location = residuals.located()
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise

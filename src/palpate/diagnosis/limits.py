@@ -37,7 +37,7 @@ def limits(study: Study, diagnosis: DiagnosisOutcome, failed: Mapping[str, str],
         *(f"{name} is not among the errors shown: {reason}." for name, reason in failed.items()),
         *without_mean(diagnosis),
         *far_out(diagnosis),
-        *follows_tests(diagnosis, study.diagnosis["significance"], rng),
+        *follows_tests(diagnosis, study.diagnosis.significance, rng),
     ]
 
 

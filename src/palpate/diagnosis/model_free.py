@@ -47,7 +47,7 @@ def model_free(
     if study.indenter.sharp:
         material = study.specification(middle(study), study.conditions[0])
         creeping = creeps(material.specimen.coefficients)
-        found += scaling_facts.facts(tests, study.calibration["site_scatter"], creeping)
+        found += scaling_facts.facts(tests, study.calibration.site_scatter, creeping)
     found += replicate_facts.differences({c.name: observed[c.name] for c, _ in tests})
     found += replicate_facts.trend(tests)
     return [fact for fact in found if np.isfinite([fact.estimate, fact.lower, fact.upper]).all()]

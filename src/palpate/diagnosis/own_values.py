@@ -139,7 +139,7 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
         fit.problem.names, condition.name, components_under(fit.problem, (), condition, curve)
     )
     refined = refinement_covariance([fit.problem.refinement(fit.model, condition)])
-    common = model_covariance({condition.name: curve}, study.calibration["solver_error"], fit.problem.shares)
+    common = model_covariance({condition.name: curve}, study.calibration.solver_error, fit.problem.shares)
     if law := fit.errors.law:
         alone = Discrepancy.of(
             [condition.protocol], fit.problem.sharp, {condition.name: curve}, law.law_error, fit.problem.shares

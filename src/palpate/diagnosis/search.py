@@ -102,7 +102,8 @@ class Search:
     ):
         self.study = study
         self.policy = policy or SearchPolicy()
-        errors = (study.calibration[name] for name in ("site_scatter", "solver_error", "law_error"))
+        given = study.calibration
+        errors = (given.site_scatter, given.solver_error, given.law_error)
         self._fitter = Fitter(problem, *errors)
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or scattered(problem.material, self._fitter.policy, rng))
@@ -199,12 +200,12 @@ class Search:
 
     def _p_value(self, fit: Fit) -> float:
         """Test what a fit leaves, with the same draws for all."""
-        draws, scatter = self.study.diagnosis["bootstrap"], self.study.calibration["site_scatter"]
+        draws, scatter = self.study.diagnosis.bootstrap, self.study.calibration.site_scatter
         law = fit.errors.law
-        if law and law.share > self.study.diagnosis["tolerance"]:
+        if law and law.share > self.study.diagnosis.tolerance:
             fit = replace(
                 fit,
-                errors=replace(fit.errors, law=law.sized(replace(law.size, share=self.study.diagnosis["tolerance"]))),
+                errors=replace(fit.errors, law=law.sized(replace(law.size, share=self.study.diagnosis.tolerance))),
             )
         return examine(fit, self.screen, np.random.default_rng([self.study.seed, 2]), draws, scatter)
 
@@ -217,7 +218,7 @@ class Search:
         problem, mechanism = self.problem, MECHANISMS[key]
         found = self.screen.log_evidence(fit, key)
         if mechanism.varies and problem.replicated:
-            scatter, own = self.study.calibration["site_scatter"], problem.typical(key)
+            scatter, own = self.study.calibration.site_scatter, problem.typical(key)
             wider, usual = (noise_of(problem, each, fit.residual, scatter).log_likelihood for each in (own, ()))
             found += wider - usual
         broken = [not law.holds_under((*fit.explanation, key)) for law in fit.constraints]
@@ -232,7 +233,7 @@ class Search:
         than its penalty.
         """
         fitter, likeliest, best = self._fitter, base, self._residual_log_likelihood(base.residual)
-        for _ in range(self.study.diagnosis["largest_set"]):
+        for _ in range(self.study.diagnosis.largest_set):
             fitter.use_residual_as_noise(likeliest.residual)
             weighed = fitter.errors((), likeliest.model, likeliest.z, likeliest.curve)
             likeliest = replace(likeliest, errors=weighed)
@@ -246,4 +247,4 @@ class Search:
 
     def _residual_log_likelihood(self, residual: np.ndarray) -> float:
         """Return the log-likelihood of a residual (n_all,) as noise, less slow trends."""
-        return noise_of(self.problem, (), residual, self.study.calibration["site_scatter"]).log_likelihood
+        return noise_of(self.problem, (), residual, self.study.calibration.site_scatter).log_likelihood

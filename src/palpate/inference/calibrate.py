@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from palpate.base.threads import on_one_thread
-from palpate.data.measures import OBJECTIVES, check_indents
-from palpate.errors import InputError, PalpateError
+from palpate.configuration.settings import CalibrationSettings
+from palpate.data.measures import check_indents
+from palpate.errors import PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
-from palpate.inference.discrepancy import LAW_ERROR
 from palpate.inference.estimates import (
     bulk_predictions,
     condition_errors,
@@ -28,50 +28,10 @@ from palpate.inference.last_steps import on_finer_meshes
 from palpate.inference.problem import Problem
 from palpate.inference.starting_places import scattered
 from palpate.models.own_loads import raise_failure
-from palpate.surrogate.genetic import GeneticSettings
 from palpate.surrogate.genetic_stage import genetic_search
 from palpate.surrogate.surrogates import Predictor, Surrogates
 
 LEAST_R2 = 0.9  # chosen: below it a curve is not explained at all, and no parameter is called identified
-
-
-@dataclass(frozen=True)
-class CalibrationSettings:
-    """How to calibrate.
-
-    Parameters
-    ----------
-    genetic
-        Numbers of the genetic search.
-    objective
-        ``mean_square`` [nm^2] (chapter 5 of the thesis) or ``relative`` [-] (its chapter 4), of each condition.
-    aggregated
-        Search for the least sum of all objectives instead of the Pareto front with one objective a condition.
-    site_scatter
-        Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
-    solver_error
-        Relative error of grid convergence of the forward model, standard deviation [-], the same factor on all curves;
-        `palpate.inference.covariance` says where the default comes from.
-    law_error
-        Median of the prior of the law's discrepancy as a share of the depth, standard deviation [-]; 0 takes the law to
-        be exact. See `palpate.inference.discrepancy`.
-    """
-
-    genetic: GeneticSettings = field(default_factory=GeneticSettings)
-    objective: str = "mean_square"
-    aggregated: bool = False
-    site_scatter: float = 0.01
-    solver_error: float = 0.003
-    law_error: float = LAW_ERROR
-
-    def __post_init__(self) -> None:
-        if self.objective not in OBJECTIVES:
-            raise InputError(
-                f"objective is {self.objective!r}", remedy=f"use one of: {', '.join(OBJECTIVES)}", place="objective"
-            )
-        for name in ("site_scatter", "solver_error", "law_error"):
-            if getattr(self, name) < 0:
-                raise InputError(f"{name} is negative", remedy="give zero or more", place=name)
 
 
 @on_one_thread
@@ -120,7 +80,7 @@ def calibrate(
         check_indents(name, item)
     fitted = {name: problem.recorded[name] for name in problem.names}
     model = Surrogates({name: surrogates[name] for name in problem.recorded if name in surrogates}, bounds)
-    first = genetic_search(model, fitted, rng, settings.genetic, settings.objective, settings.aggregated)
+    first = genetic_search(model, fitted, rng, settings)
     report(f"genetic search: {first.evaluations} evaluations")
     problem, fit = base_fit(problem, settings, first.starts, rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
@@ -144,7 +104,7 @@ def calibrate(
         pareto=first.front(["sum"] if settings.aggregated else list(fitted)),
         history=[dict(entry) for entry in first.evolution.history],
         evaluations=first.evaluations,
-        settings=asdict(settings),
+        settings=settings.model_dump(),
         seed=getattr(rng.bit_generator.seed_seq, "entropy", None),
     )
 

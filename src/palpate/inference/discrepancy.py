@@ -27,7 +27,8 @@ between two neighbouring lengths, and its size is not tied to that of the law. A
 any function of two parameters, and a gradient of the modulus would be called a film.
 
 None of the three is known. A quadrature over `SHARES` and `SHAPES` integrates over all, with a prior that is the same
-for all explanations compared. It is the part that obeys the scaling law whose median is `LAW_ERROR`.
+for all explanations compared. The median that a study states as `calibration.law_error` is that of
+the part that obeys the scaling law.
 """
 
 from __future__ import annotations
@@ -43,7 +44,6 @@ from scipy.stats import logistic
 from palpate.inference.law_structure import CROSSINGS, clocks, common, crossovers, parts_of_tests, reversals
 from palpate.study.protocol import Protocol
 
-LAW_ERROR = 0.0025  # share of the depth, median of the prior; see docs/inference.md for the wrong laws that it rests on
 PRIOR_SCALE = 0.68  # of the logistic density of ln(share): 95 % lie within a factor of twelve of the median
 SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
 OBEYS = 0.01  # `own` of what obeys the scaling law: one node, of several kinds in equal parts

@@ -74,7 +74,7 @@ class Problem:
         conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
         forward = FiniteElements.of(study, [c.name for c in conditions])
         bulk = BulkModel.of(study)
-        likelihood = BulkLikelihood.of(bulk, forward.coordinates, study.calibration["law_error"])
+        likelihood = BulkLikelihood.of(bulk, forward.coordinates, study.calibration.law_error)
         found = cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
         return replace(found, bulk=bulk, bulk_likelihood=likelihood, imprints=tuple(imprints(study)))
 

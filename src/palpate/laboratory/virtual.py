@@ -9,17 +9,16 @@ leaves of its displacement.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from indentation_files.recording import SYNTHETIC, Recording
 from indentation_files.recording_file import recording_files
 from palpate.configuration.condition import Condition
+from palpate.configuration.settings import LaboratorySettings
 from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
 from palpate.observables.observable import Quantity
@@ -66,26 +65,25 @@ def denser(protocol: Protocol) -> Protocol:
     return replace(protocol, sample_time=sample)
 
 
-def record(study: Study, settings: Mapping[str, Any]) -> dict[str, Recording]:
+def record(study: Study, settings: LaboratorySettings) -> dict[str, Recording]:
     """Return synthetic recordings of every condition by file name (without ending).
 
     Parameters
     ----------
     settings
-        `parameters` (the truth), `mechanisms` (what is concealed), `seed`, `replicates`, `noise_nm`,
-        `noise_time` [s], `site_scatter`.
+        The truth, what is concealed, and the noise.
 
     Raises
     ------
     PalpateError
         When a simulation of the truth fails.
     """
-    rng = np.random.default_rng(settings["seed"])
+    rng = np.random.default_rng(settings.seed)
     recordings = {}
     for condition, simulation in zip(study.tested.values(), exact_curves(study, settings), strict=True):
-        for replicate in range(1, settings["replicates"] + 1):
-            site = settings["site_scatter"] * rng.standard_normal()
-            noise = correlated_noise(simulation.time, settings["noise_nm"], settings["noise_time"], rng)
+        for replicate in range(1, settings.replicates + 1):
+            site = settings.site_scatter * rng.standard_normal()
+            noise = correlated_noise(simulation.time, settings.noise_nm, settings.noise_time, rng)
             name = f"{condition.name}_{replicate}"
             load, depth = disturbed(study, condition, simulation, site, noise)
             recordings[name] = Recording(
@@ -120,7 +118,7 @@ def disturbed(
     return condition.observable.recorded(protocol, simulation, response)
 
 
-def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
+def exact_curves(study: Study, settings: LaboratorySettings) -> list[Simulation]:
     """Return the curves of all conditions as the laboratory knows them; those that differ in size are solved once.
 
     Raises
@@ -131,8 +129,8 @@ def exact_curves(study: Study, settings: Mapping[str, Any]) -> list[Simulation]:
     specifications = []
     for condition in study.tested.values():
         exact = replace(condition, protocol=denser(condition.protocol))
-        specification = study.specification(settings["parameters"], exact, accuracy="fine")
-        specifications.append(replace(specification, mechanisms=settings.get("mechanisms", {})))
+        specification = study.specification(settings.parameters, exact, accuracy="fine")
+        specifications.append(replace(specification, mechanisms=settings.mechanisms))
     return off_the_mesh(specifications, [f"virtual laboratory, {name}" for name in study.tested])
 
 
@@ -165,4 +163,4 @@ def write(study: Study, name: str, folder: Path) -> None:
         old.unlink()
     for recording in record(study, settings).values():
         recording.write(folder / f"{recording.name}.csv")
-    (folder / "truth.json").write_text(json.dumps(dict(settings), indent=2) + "\n", encoding="utf-8")
+    (folder / "truth.json").write_text(settings.model_dump_json(indent=2) + "\n", encoding="utf-8")

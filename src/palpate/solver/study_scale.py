@@ -42,7 +42,7 @@ def scale_of(study: Study) -> Scale:
         loading_time=min(longest_rise(c.protocol) for c in study.calibrated),
         half_angle=tip.half_angle,
         pressure=mean_pressure(specification.coefficients, slope, loaded_time(largest.protocol)),
-        stated=study.diagnosis["ranges"],
+        stated=study.diagnosis.ranges,
     )
 
 

@@ -10,72 +10,15 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from operator import attrgetter
 
 import numpy as np
 from deap import base, tools
 
-from palpate.errors import InputError
+from palpate.configuration.settings import CalibrationSettings
 
 Evaluate = Callable[[np.ndarray], np.ndarray]
-
-
-@dataclass(frozen=True)
-class GeneticSettings:
-    """Numbers of the genetic algorithm; the defaults are those of the thesis (chapter 4).
-
-    Parameters
-    ----------
-    population
-        Number of individuals, all subpopulations together.
-    generations
-        Largest number of generations.
-    subpopulations
-        Number of equal parts that evolve side by side. The thesis does not give it; with 1 there is no migration.
-    tournament
-        Number of entrants of a tournament.
-    crossover_fraction
-        Share of the children made by crossover; the others are mutants.
-    crossover_ratio
-        Ratio of the intermediate crossover.
-    mutation_scale, mutation_shrink
-        Standard deviation of the first mutation in units of the range, and the share it has lost at the last one.
-    migration_fraction, migration_interval
-        Share of a subpopulation whose copies replace the worst of the next one, and the generations between.
-    tolerance
-        The search ends early when, over `stall_generations`, the best value of no objective, nor of their sum, has
-        changed by more than this fraction; 0 never ends early.
-    stall_generations
-        See `tolerance`; MATLAB's default for several objectives.
-    """
-
-    population: int = 200
-    generations: int = 600
-    subpopulations: int = 4
-    tournament: int = 2
-    crossover_fraction: float = 0.8
-    crossover_ratio: float = 1.0
-    mutation_scale: float = 1.0
-    mutation_shrink: float = 1.0
-    migration_fraction: float = 0.2
-    migration_interval: int = 20
-    tolerance: float = 1e-4
-    stall_generations: int = 100
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value, whole = getattr(self, field.name), field.type == "int"
-            if value < whole or (field.name.endswith(("fraction", "shrink")) and value > 1):
-                raise InputError(
-                    f"{field.name} is {value!r}", remedy="see GeneticSettings for its meaning", place=field.name
-                )
-        if self.population % self.subpopulations or self.population < 4 * self.subpopulations:
-            raise InputError(
-                f"population {self.population} cannot be split into {self.subpopulations} equal parts of 4 or more",
-                remedy="change population or subpopulations",
-                place="subpopulations",
-            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +49,7 @@ class Individual:
     order: int = 0
 
 
-def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: np.random.Generator) -> Evolution:
+def evolve(evaluate: Evaluate, dimensions: int, settings: CalibrationSettings, rng: np.random.Generator) -> Evolution:
     """Minimise all objectives over the unit cube; the best of parents and children survive.
 
     Parameters
@@ -148,7 +91,7 @@ def evolve(evaluate: Evaluate, dimensions: int, settings: GeneticSettings, rng: 
     return Evolution(np.array([individual.point for individual in front]), objectives, history)
 
 
-def toolbox_of(settings: GeneticSettings, rng: np.random.Generator) -> base.Toolbox:
+def toolbox_of(settings: CalibrationSettings, rng: np.random.Generator) -> base.Toolbox:
     """Operators of the search: `mate` and `mutate` take points (n, dimensions), the others lists of individuals."""
     migrants = round(settings.migration_fraction * settings.population / settings.subpopulations)
     toolbox = base.Toolbox()
@@ -194,7 +137,7 @@ def gaussian(rng: np.random.Generator, parents: np.ndarray, deviation: float) ->
     return reflect(parents + deviation * rng.standard_normal(parents.shape))
 
 
-def deviation(generation: int, settings: GeneticSettings) -> float:
+def deviation(generation: int, settings: CalibrationSettings) -> float:
     """Return the standard deviation of a generation's mutation, in units of the range; it shrinks linearly."""
     return settings.mutation_scale * (1.0 - settings.mutation_shrink * generation / settings.generations)
 
@@ -205,7 +148,7 @@ def reflect(points: np.ndarray) -> np.ndarray:
     return np.where(periodic > 1.0, 2.0 - periodic, periodic)
 
 
-def stalled(history: tools.Logbook, settings: GeneticSettings) -> bool:
+def stalled(history: tools.Logbook, settings: CalibrationSettings) -> bool:
     """Whether the best values have not changed for `stall_generations`."""
     if settings.tolerance == 0 or len(history) <= settings.stall_generations:
         return False

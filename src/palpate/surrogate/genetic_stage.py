@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.configuration.settings import CalibrationSettings
 from palpate.data.measures import OBJECTIVES, check_measurable
 from palpate.data.observation import Observation
 from palpate.errors import InputError
-from palpate.surrogate.genetic import Evaluate, Evolution, GeneticSettings, evolve
+from palpate.surrogate.genetic import Evaluate, Evolution, evolve
 from palpate.surrogate.surrogates import Surrogates
 
 
@@ -68,9 +69,7 @@ def genetic_search(
     model: Surrogates,
     observations: Mapping[str, Observation],
     rng: np.random.Generator,
-    settings: GeneticSettings,
-    objective: str,
-    aggregated: bool,
+    settings: CalibrationSettings,
 ) -> GeneticOptimum:
     """Search for the least objectives of the mean curves on surrogates.
 
@@ -83,9 +82,7 @@ def genetic_search(
     rng
         Source of all randomness.
     settings
-        Numbers of the search.
-    objective, aggregated
-        As in `palpate.inference.calibrate.CalibrationSettings`.
+        Numbers and objective of the search.
 
     Raises
     ------
@@ -93,8 +90,8 @@ def genetic_search(
         When nothing is to be calibrated, a surrogate is missing, shapes disagree, there are fewer points than
         parameters, or the relative objective meets a depth that is not positive.
     """
-    _check_consistent(model, observations, objective)
-    evaluate = _objectives(model, observations, objective, aggregated)
+    _check_consistent(model, observations, settings.objective)
+    evaluate = _objectives(model, observations, settings.objective, settings.aggregated)
     return GeneticOptimum(model, evolve(evaluate, len(model.free), settings, rng))
 
 

@@ -25,7 +25,6 @@ from palpate.study.area_function import GIVE_COEFFICIENTS, AreaFunction
 from palpate.study.indenter import check_cone
 from palpate.study.protocol import Protocol
 from palpate.surrogate import PODRBF
-from palpate.workflow_support.steps import settings_of
 
 MOST_CHECKED = 3000  # snapshots; beyond, checking takes longer than a minute
 UNLOADED = 100.0, 1e4  # nm; contact depths from which unloadings of a reference count
@@ -51,7 +50,7 @@ def checked(study: Study, look: Look | None = None) -> Study:
         check_calibration(study)
         list(bulk_tests(study))
         list(imprints(study))
-        if study.diagnosis["enabled"]:
+        if study.diagnosis.enabled:
             check_diagnosis(study)
         for recorded in check_given(study, look):
             _check_recorded(study, recorded)
@@ -59,7 +58,7 @@ def checked(study: Study, look: Look | None = None) -> Study:
 
 
 def check_calibration(study: Study) -> None:
-    """Refuse a surrogate that its snapshots could not be interpolated with, and settings of no search.
+    """Refuse a surrogate that its snapshots could not be interpolated with.
 
     Raises
     ------
@@ -68,9 +67,7 @@ def check_calibration(study: Study) -> None:
     with part_of("surrogate"):
         cells = np.array([list(cell.values()) for cell in study.cells])
         if len(cells) <= MOST_CHECKED:
-            PODRBF(**study.surrogate).check_points(cells)
-    with part_of("calibration"):
-        settings_of(study)
+            PODRBF(**dict(study.surrogate)).check_points(cells)
 
 
 def check_diagnosis(study: Study) -> None:
@@ -80,9 +77,9 @@ def check_diagnosis(study: Study) -> None:
     ------
     InputError
     """
-    if given := study.diagnosis.get("reference"):
+    if given := study.diagnosis.reference:
         with part_of("diagnosis.reference"):
-            _check_area(AreaFunction(tuple(given["area"])))
+            _check_area(AreaFunction(tuple(given.area)))
     candidates(study)
 
 
@@ -95,14 +92,14 @@ def check_objective(study: Study, observed: Mapping[str, Observation]) -> None:
     """
     with part_of("calibration"):
         for condition in study.calibrated:
-            check_measurable(condition.name, observed[condition.name].mean, study.calibration["objective"])
+            check_measurable(condition.name, observed[condition.name].mean, study.calibration.objective)
 
 
 def _check_recorded(study: Study, recorded: Mapping[str, list[Recording]]) -> None:
     """Refuse an objective, and a reference, with which recordings cannot be compared; raises `InputError`."""
-    if study.calibration["objective"] == "relative":
+    if study.calibration.objective == "relative":
         check_objective(study, resampled(study, recorded))
-    if study.diagnosis["enabled"] and "reference" in study.diagnosis:
+    if study.diagnosis.enabled and study.diagnosis.reference:
         pressed = [condition.name for condition in study.calibrated if condition.observable.is_depth]
         with part_of("diagnosis.reference"):
             law_of_reference([test for name in pressed for test in recorded[name]], study)
@@ -155,9 +152,9 @@ def _check_laboratory(study: Study) -> None:
     """Refuse mechanisms of a virtual laboratory that cannot act; raises `InputError`."""
     for name, settings in study.laboratory.items():
         for condition in study.conditions:
-            specification = study.specification(settings["parameters"], condition)
+            specification = study.specification(settings.parameters, condition)
             try:
-                applied_to_body(replace(specification, mechanisms=settings.get("mechanisms", {})))
+                applied_to_body(replace(specification, mechanisms=settings.mechanisms))
             except InputError as error:
                 where = ".".join(filter(None, (f"laboratory.{name}", error.place or "mechanisms")))
                 problem = f"{error.problem} ({condition.name})"

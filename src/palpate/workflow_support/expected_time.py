@@ -47,7 +47,7 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     snapshots = cost * curves / cores
     sets = [_calibration(cost, len(members)) for members in study.condition_sets.values()]
     fits = len(study.recordings) * sum(sets)
-    mechanisms = len(candidates(study)) if study.diagnosis["enabled"] and study.recordings else 0
+    mechanisms = len(candidates(study)) if study.diagnosis.enabled and study.recordings else 0
     explanations = sum(_diagnosis(study, cost, name) for name in study.recordings) if mechanisms else 0.0
     searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
     pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)

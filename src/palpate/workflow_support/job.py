@@ -11,8 +11,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from palpate.base.yaml_file import EXPONENT
-from palpate.configuration.schema import study_schema
 from palpate.configuration.study_file import Study, study_from
 from palpate.errors import InputError, PalpateError, of_system
 from palpate.workflow_support.result_files import seal, unseal
@@ -30,23 +28,10 @@ def study(snakemake: Any) -> Study:
 def plain(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return the part of a configuration that describes a study.
 
-    Snakemake reads 1e9 as text, where a study's file means a number. What is only for the command line is left out, and
-    so is the place of vendors' files where the study at hand has none.
+    What is only for the command line is left out, and the place of vendors' files where the study at hand has none.
     """
     apart = COMMAND_LINE if "source" in config else (*COMMAND_LINE, "data")
-    kept = {key: value for key, value in config.items() if key not in apart}
-    return dict(_with_numbers(kept, study_schema()))
-
-
-def _with_numbers(value: Any, rule: Mapping[str, Any]) -> Any:
-    """Return a value of a configuration in which what is written as 1e9 is a number, unless the schema takes a text."""
-    if isinstance(value, Mapping):
-        named, others = rule.get("properties", {}), rule.get("additionalProperties") or {}
-        return {key: _with_numbers(inner, named.get(key, others)) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_with_numbers(inner, rule.get("items", {})) for inner in value]
-    text = "string" in rule.get("type", ())
-    return float(value) if isinstance(value, str) and EXPONENT.match(value) and not text else value
+    return {key: value for key, value in config.items() if key not in apart}
 
 
 def boolean(key: str, value: Any) -> bool:

@@ -51,7 +51,7 @@ def files(study: Study, folder: Path) -> Iterator[Path]:
     for name in study.recordings:
         yield folder / name / "calibration.json"
         yield from (folder / name / "calibrations" / f"{condition_set}.json" for condition_set in study.condition_sets)
-        if study.diagnosis["enabled"]:
+        if study.diagnosis.enabled:
             yield folder / name / "diagnosis.json"
 
 

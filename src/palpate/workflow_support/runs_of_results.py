@@ -56,9 +56,9 @@ def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[s
 def of_calibration(saved: SavedSet, condition_set: str, files: Sequence[str | Path]) -> Run:
     """Return the run of the calibration of one condition set: estimates, errors, misfit, convergence."""
     found = Calibration(saved, condition_set)
-    search = "; ".join(f"{key} {value}" for key, value in saved.study.calibration.items())
+    search = "; ".join(f"{key} {value}" for key, value in saved.study.calibration)
     return Run(
-        f"calibration of {saved.name} on {condition_set} - {saved.study.surrogate['kernel']}",
+        f"calibration of {saved.name} on {condition_set} - {saved.study.surrogate.kernel}",
         "calibration",
         {"recordings": saved.name, "condition_set": condition_set},
         of_study(saved.study) | {"search": search},
@@ -73,7 +73,7 @@ def of_diagnosis(content: Mapping[str, Any], study: Study, files: Sequence[str |
     """Return the run of a diagnosis, and one for every explanation that was fitted."""
     of, name = {"recordings": content["recordings"]}, content["recordings"]
     tags = of | _verdict(content) | {"mlflow.note.content": content["sentence"]}
-    settings = "; ".join(f"{key} {value}" for key, value in study.diagnosis.items())
+    settings = "; ".join(f"{key} {value}" for key, value in study.diagnosis.model_dump(exclude_none=True).items())
     params = of_study(study)
     title, metrics = f"diagnosis of {name} - {content['verdict']}", _of_diagnosis(content)
     whole = Run(title, "diagnosis", tags, params | {"settings": settings}, metrics)
@@ -108,7 +108,7 @@ def of_sets(record: Record, sets: Sequence[SavedSet], folder: Path) -> None:
     elif record.runs:
         counts = Counter(run.tags["verdict"] for run in record.runs)
         verdicts = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
-        name = f"{len(sets)} sets: {verdicts} - {sets[0].study.surrogate['kernel']} - {_clock()}"
+        name = f"{len(sets)} sets: {verdicts} - {sets[0].study.surrogate.kernel} - {_clock()}"
         record.parent = {"name": name, "tags": {"verdict": verdicts}, "params": of_study(sets[0].study), "metrics": {}}
 
 
@@ -126,7 +126,7 @@ def _of_set(found: Answer, folder: Path) -> Run:
     if found.discrepancy:
         metrics["discrepancy"] = found.discrepancy["share"]
     with_set = f"{saved.name}: " if len(study.recordings) > 1 else ""
-    name = f"{with_set}{found.headline[0].lower()}{found.headline[1:]} - {study.surrogate['kernel']} - {_clock()}"
+    name = f"{with_set}{found.headline[0].lower()}{found.headline[1:]} - {study.surrogate.kernel} - {_clock()}"
     tags = {"recordings": saved.name} | _verdict(content) | {"mlflow.note.content": found.sentence}
     shown = {key: float(f"{value:.{DIGITS}g}") for key, value in metrics.items()}
     run = Run(name, ANSWERS, tags, of_study(study) | {"recordings": saved.name}, shown)
@@ -152,10 +152,10 @@ def of_study(study: Study) -> dict[str, Any]:
     """Return by what studies are compared: law, tip, kernel, design, seed."""
     return {
         "law": law_of(study.model).title,
-        "kernel": study.surrogate["kernel"],
-        "shape": study.surrogate["shape"],
+        "kernel": study.surrogate.kernel,
+        "shape": study.surrogate.shape,
         "tip": tip_in_words(study.indenter),
-        "design": f"{study.design['kind']}, {len(study.cells)} materials",
+        "design": f"{study.design.kind}, {len(study.cells)} materials",
         "kinematics": study.kinematics,
         "seed": study.seed,
     }

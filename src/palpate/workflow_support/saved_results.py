@@ -36,7 +36,7 @@ def saved_sets(study: Study, folder: Path) -> list[SavedSet]:
         found = folder / name
         calibrations = {key: read_json(found / "calibrations" / f"{key}.json") for key in study.condition_sets}
         fits = {key: pd.read_csv(found / "calibrations" / f"{key}.curves.csv") for key in study.condition_sets}
-        diagnosed = study.diagnosis["enabled"]
+        diagnosed = study.diagnosis.enabled
         sets.append(
             SavedSet(
                 study,
@@ -47,7 +47,7 @@ def saved_sets(study: Study, folder: Path) -> list[SavedSet]:
                 read_json(found / "diagnosis.json") if diagnosed else None,
                 pd.read_csv(found / "diagnosis.curves.csv") if diagnosed else None,
                 summaries,
-                study.laboratory.get(name, {}).get("parameters", {}),
+                study.laboratory[name].parameters if name in study.laboratory else {},
             )
         )
     return sets
@@ -59,5 +59,5 @@ def needed(study: Study, folder: Path) -> Iterator[Path]:
     for name in study.recordings:
         for key in study.condition_sets:
             yield from (folder / name / "calibrations" / f"{key}{end}" for end in (".json", ".curves.csv"))
-        if study.diagnosis["enabled"]:
+        if study.diagnosis.enabled:
             yield from (folder / name / f"diagnosis{end}" for end in (".json", ".curves.csv"))

@@ -14,14 +14,13 @@ from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.data.study_recordings import observations
 from palpate.errors import PalpateError
-from palpate.inference.calibrate import CalibrationSettings, calibrate
+from palpate.inference.calibrate import calibrate
 from palpate.inference.calibration_result import CalibrationOutcome
 from palpate.inference.problem import Problem
 from palpate.models.own_loads import brought_to_one_load
 from palpate.observables import OBSERVABLES
 from palpate.solver import store
 from palpate.surrogate import PODRBF
-from palpate.surrogate.genetic import GeneticSettings
 from palpate.surrogate.saved import load
 
 MOST_FAILED = 0.2  # of all snapshots; chosen: with more, leave-one-out errors do not show the errors in the gaps
@@ -48,7 +47,7 @@ def fit_surrogate(
     missing = checked_missing(condition, cells, failed)
     parameters, curves, failures = store.matrix(contents, study.levels)
     unit = OBSERVABLES[contents[0]["quantity"]].unit
-    model = PODRBF(**study.surrogate).fit(parameters, curves)
+    model = PODRBF(**dict(study.surrogate)).fit(parameters, curves)
     summary = {
         "snapshots": len(curves),
         "failed_snapshots": len(failures),
@@ -152,14 +151,6 @@ def relative_percent(error: np.ndarray, curves: np.ndarray) -> float:
     return float(100 * np.sqrt(squares.sum(axis=0) / deep[:, counted].sum(axis=0)).mean())
 
 
-def settings_of(study: Study) -> CalibrationSettings:
-    """Return the calibration settings of a study."""
-    given = dict(study.calibration)
-    own = {"objective": given.pop("objective"), "aggregated": given.pop("strategy") == "aggregate"}
-    own |= {key: given.pop(key) for key in ("site_scatter", "solver_error", "law_error")}
-    return CalibrationSettings(genetic=GeneticSettings(**given), **own)
-
-
 def calibrate_study(
     study: Study,
     models: Mapping[str, PODRBF],
@@ -176,7 +167,7 @@ def calibrate_study(
         models,
         {name: (min(levels), max(levels)) for name, levels in study.levels.items()},
         rng=np.random.default_rng(study.seed),
-        settings=settings_of(study),
+        settings=study.calibration,
         report=report,
     )
 

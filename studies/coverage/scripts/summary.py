@@ -1,6 +1,6 @@
 """Open the seals and put the scores of all sets together."""
 
-from palpate.inference.discrepancy import LAW_ERROR
+from palpate.configuration.settings import CalibrationSettings
 from palpate.workflow_support import job
 from palpate.workflow_support.result_files import read_json
 from studies.coverage import score
@@ -11,7 +11,7 @@ def main(snakemake):
     cases = {values["name"]: Case(**values) for file in snakemake.input.truths for values in read_json(file)}
     table = score.table(cases, [row for file in snakemake.input.fits for row in read_json(file)])
     table.to_csv(snakemake.output.sets, index=False)
-    summary = score.summary(table[table["law_error"] == LAW_ERROR])
+    summary = score.summary(table[table["law_error"] == CalibrationSettings().law_error])
     summary.to_csv(snakemake.output.summary, index=False)
     score.of_law_errors(table).to_csv(snakemake.output.law_errors)
     print(summary.to_string(index=False, float_format="{:.3f}".format))

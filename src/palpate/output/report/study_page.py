@@ -60,7 +60,7 @@ def write(
     top = [f"<main><h1>{html.escape(study.title)}</h1>"]
     if not sets:
         top.append(paragraph("The study names no recordings: surrogates were made, nothing was calibrated.", "note"))
-    elif not study.diagnosis["enabled"]:
+    elif not study.diagnosis.enabled:
         top.append(paragraph("The study does without a diagnosis: whether its law is enough was not tested.", "note"))
     top += [first_screen.overview(answers)] if len(answers) > 1 else [first_screen.answer(found) for found in answers]
     below: list[tuple[str, str, list[str]]] = []

@@ -202,7 +202,7 @@ class Answer:
             part = "" if worst["part"] == "whole" else f"{worst['part']} "
             text += f", most {part}in the {worst['segment']} of {self.saved.labels[worst['condition']]}"
         if (within := self.diagnosis.law_within_tolerance if self.diagnosis else None) is not None:
-            text += f"; {WITHIN[within]} {100.0 * self.saved.study.diagnosis['tolerance']:g} %"
+            text += f"; {WITHIN[within]} {100.0 * self.saved.study.diagnosis.tolerance:g} %"
         return text
 
     @property

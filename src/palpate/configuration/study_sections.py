@@ -1,0 +1,293 @@
+"""The file of a study: its keys at the top, and the tables of its law, tip, conditions, evidence and source."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from palpate.configuration.declaration import Number, Pair, Section, Whole, key, numbers_within, refused
+from palpate.configuration.settings import (
+    NOT_ALLOWED,
+    Accuracy,
+    CalibrationSettings,
+    Challenge,
+    Design,
+    DiagnosisSettings,
+    LaboratorySettings,
+    SurrogateSettings,
+)
+
+LETTERS = "use letters, digits, dots, hyphens and "
+NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,79}$"
+NAME_REMEDY = f"{LETTERS}underscores, 80 at most, a letter or digit first"
+CONDITION = r"^[A-Za-z0-9][A-Za-z0-9.-]*(_[A-Za-z0-9.-]+)*$"
+CONDITION_REMEDY = f"{LETTERS}single underscores between them, 80 at most, a letter or digit first"
+Name = Annotated[str, Field(pattern=NAME)]
+Numbers = Annotated[list[Number], Field(min_length=1)]
+Role = Literal["calibrate", "validate"]
+
+
+def _unique(given: Any) -> Any:
+    """Refuse a list that names something twice."""
+    if isinstance(given, list | tuple) and len(set(map(repr, given))) < len(given):
+        raise PydanticCustomError("not_unique", "")
+    return given
+
+
+Names = Annotated[list[str], Field(min_length=1), BeforeValidator(_unique)]
+Tests = Annotated[list[str | int], Field(min_length=1), BeforeValidator(_unique)]
+
+
+Corrections = Annotated[list[Literal["drift", "frame"]], BeforeValidator(_unique)]
+
+
+class Described(Section):
+    """A table whose other keys belong to the law or the shape that it names, which check them."""
+
+    model_config = ConfigDict(extra="allow")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _reads_numbers(cls, given: Any) -> Any:
+        return numbers_within(given)
+
+
+class MaterialSection(Described):
+    """The law, and the parameters that are known."""
+
+    model: str = key(
+        "the law, or several joined by `+` in any order, such as `nonlinear_burgers+ludwik_plasticity`: their strains "
+        "add. `burgers_plasticity` is `nonlinear_burgers+bilinear_plasticity`; a draft keeps only linear transient "
+        "creep of it beside the yielding, and holds the other parameters of the creep constant. Laws that share a "
+        "parameter besides the elastic ones do not join",
+        accepted="a law below",
+    )
+
+
+class TipSection(Described):
+    """The indenter."""
+
+    shape: str = key("", accepted="")
+
+
+class ConditionEntry(Section):
+    """A test that is simulated."""
+
+    name: Annotated[str, Field(pattern=CONDITION, max_length=80)] = key(
+        "recordings of the condition are `NAME_REPLICATE.csv`",
+        accepted="up to 80 letters, digits, `.`, `-`, single `_` between them",
+        remedy=CONDITION_REMEDY,
+    )
+    role: Role = key(
+        "`calibrate`: is fitted; `validate`: takes no part in calibration and diagnosis, and measures their errors",
+        "calibrate",
+    )
+    held_out: Annotated[list[Pair], Field(min_length=1)] | None = key(
+        "parts of the test, see below, that are simulated and compared, and take no part in calibration and diagnosis "
+        "[s]",
+        None,
+        accepted="`[[FROM_S, TO_S], ...]` within the test, which do not overlap; not with `role: validate`",
+        remedy="give [[FROM_S, TO_S], ...]",
+    )
+    drive: Literal["load", "displacement"] = key("what the instrument prescribes", "load")
+    max_load: Number | None = key("largest load [mN]", None, gt=0)
+    max_displacement: Number | None = key("largest displacement [nm]", None, gt=0)
+    spring: Number | None = key("stiffness of the transducer [mN/nm]; rigid without it", None, gt=0)
+    loading_time: Number | None = key("[s]", None, gt=0)
+    hold_time: Number | None = key("at the largest load [s]; none without it", None, ge=0)
+    unloading_time: Number | None = key("[s]", None, gt=0)
+    strain_rate: Number | None = key("loading at constant indentation strain rate [1/s]", None, gt=0)
+    start_fraction: Number | None = key(
+        "share of the largest load at which the constant strain rate begins; 0.01 without it", None, ge=0.0001, le=0.5
+    )
+    times: Numbers | None = key(
+        "points of a piecewise linear history [s]; the one at zero may be left out", None, accepted="increasing"
+    )
+    loads: Numbers | None = key("loads at these times [mN]", None, accepted="one for each")
+    displacements: Numbers | None = key("displacements at these times [nm]", None, accepted="one for each")
+    own_loads: bool = key(
+        "whether each recording reaches a load, or displacement, of its own, as under depth or strain-rate control: "
+        "the largest may differ from that of the condition by a half, the duration by a factor of three, and the "
+        "normalised history by a tenth. Each recording is simulated under its own load, and "
+        "[corrected](inference.md#what-is-compared) to that of the condition",
+        False,
+    )
+    load_history: str | None = key(
+        "a recorded load or displacement: `recorded`, that of the first recording of the condition in a set that no "
+        "`laboratory` writes; or a CSV file with the header `time_s,load_mN` or `time_s,displacement_nm`",
+        None,
+        accepted="`recorded`, path",
+    )
+
+
+class EvidenceEntry(Section):
+    """What was measured of the same material besides indentation."""
+
+    kind: Literal["uniaxial", "imprint"] = key(
+        "`uniaxial`: tension, compression, creep, relaxation or cycles; `imprint`: the residual profile of a test"
+    )
+    of: str | None = key(
+        "the condition whose test made an imprint; a uniaxial test belongs to none",
+        "none",
+        accepted="a condition, `none`",
+    )
+    file: str = key(
+        "of a uniaxial test a CSV with the header `time_s,strain,stress_GPa`: logarithmic strain and true stress, "
+        "positive in tension. A comment line `# engineering` says that both are nominal, `# compression` that they are "
+        "positive in compression. Of an imprint a CSV with the header `radius_nm,height_nm`. Results call it by its "
+        "name without ending",
+        accepted="path",
+    )
+    role: Role = key(
+        "`calibrate`: is fitted beside the recordings; `validate`: only judges the law that was calibrated, as an "
+        "imprint must",
+        "calibrate",
+    )
+    control: Literal["auto", "strain", "stress"] = key(
+        "what the machine prescribed in a uniaxial test; the other one is compared. `auto`: the stress where it was "
+        "held much longer than the strain, as in creep, else the strain",
+        "auto",
+    )
+
+
+def _contact(given: Any) -> Any:
+    """Return where tests begin."""
+    given = numbers_within(given)
+    number = isinstance(given, int | float) and not isinstance(given, bool)
+    each = isinstance(given, dict) and given and all(isinstance(depth, int | float) for depth in given.values())
+    if given not in ("file", "auto") and not number and not each:
+        raise PydanticCustomError(NOT_ALLOWED, "")
+    return given
+
+
+class SourceSection(Section):
+    """The vendor's file that a set of recordings is converted from."""
+
+    file: str = key("the vendor's file", accepted="path")
+    recordings: str = key("the set of recordings to which its tests are written", accepted="name under `recordings`")
+    condition: str | None = key("the condition of all its tests", None, accepted="name; this or `conditions`")
+    conditions: Annotated[dict[Any, Tests], Field(min_length=1)] | None = key(
+        "the tests of each condition; a test belongs to one condition at most",
+        None,
+        accepted="`CONDITION: [name or number, ...]`; this or `condition`",
+        remedy="list names or numbers of tests",
+    )
+    contact: Annotated[Any, BeforeValidator(_contact)] = key(
+        "where a test begins: at the file's contact, at the contact that palpate finds, or at a depth [nm], for all "
+        "tests or for single ones",
+        "file",
+        accepted="`file`, `auto`, number, `{TEST: NM}`",
+        remedy="give file, auto or the depth of contact in nm, or depths of single tests",
+    )
+    corrections: Corrections | None = key(
+        "the vendor's corrections that are applied to the depth; the vendor's own without it",
+        None,
+        accepted="list of `drift`, `frame`",
+        remedy="name the vendor's corrections to keep: drift, frame, both or none of them",
+    )
+    columns: dict[str, str] | None = key(
+        "columns of a table, which the file must have",
+        None,
+        accepted="`{time: NAME, load: NAME, depth: NAME}`; or numbers from 1, in quotes",
+        remedy="name the columns of time, load and depth",
+    )
+    units: dict[str, str] | None = key(
+        "units of these columns; those that the table states without it, s, mN, nm where it states none",
+        None,
+        accepted="`{time: UNIT, load: UNIT, depth: UNIT}`",
+    )
+    repository: str | None = key(
+        "where the file is published; written into each recording as a comment", None, accepted="text"
+    )
+    commit: str | None = key("version of the repository; a comment, too", None, accepted="text")
+    path: str | None = key("path in the repository; a comment, too", None, accepted="text")
+    licence: str | None = key("licence of the file; a comment, too", None, accepted="text")
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = key(
+        "checksum that the file must have; not checked without it",
+        None,
+        accepted="64 digits",
+        remedy="give the 64 digits that sha256sum prints",
+    )
+
+    @model_validator(mode="after")
+    def _names_conditions_once(self) -> SourceSection:
+        if (self.condition is None) == (self.conditions is None):
+            raise PydanticCustomError(NOT_ALLOWED, "")
+        if self.columns is not None and (lacks := [n for n in ("time", "load", "depth") if n not in self.columns]):
+            raise refused(f"the key {lacks[0]!r} is missing", "name the columns of time, load and depth", "columns")
+        return self
+
+
+class StudyFile(Section):
+    """The keys at the top of a study's file."""
+
+    study: Name = key(
+        "name; results go to `results/NAME`",
+        accepted="up to 80 letters, digits, `.`, `-`, `_`, a letter or digit first",
+        remedy=NAME_REMEDY,
+    )
+    title: str | None = key("title on figures and pages; the name without it", None, accepted="text")
+    data: str | None = key(
+        "vendor's file in place of `source.file`, or a folder in which the file is looked for, first by that path, "
+        "then by its name; usually given as `--config data=PATH`",
+        None,
+        accepted="path",
+    )
+    seed: Whole = key("of all random numbers", 0, ge=0)
+    material: MaterialSection = key("the law, and the parameters that are known, see below")
+    parameters: Annotated[dict[str, Numbers], Field(min_length=1)] = key(
+        "the other parameters of the law: levels of the grid of snapshots; a single level holds a parameter constant; "
+        "at least one parameter has several",
+        accepted="list of numbers for each, rising or falling",
+    )
+    design: Design = key("how the simulated materials are distributed over the levels", Design())
+    indenter: TipSection = key("the tip")
+    kinematics: Literal["small", "large"] = key("strains of the simulations", "large")
+    accuracy: Accuracy = key(
+        "mesh and time steps of the snapshots; fits use the next finer one, and end with "
+        "[the one after it](inference.md#how-the-minimum-is-found)",
+        "standard",
+    )
+    points: Whole = key("points on a simulated curve", 100, ge=10, le=10000)
+    cells_per_job: Whole | None = key(
+        "number of materials that one job of the workflow simulates, under one condition or all those that differ in "
+        "size alone; null: 24, or more so that there are about 400 jobs",
+        None,
+        ge=1,
+    )
+    conditions: Annotated[list[ConditionEntry], Field(min_length=1)] = key(
+        "the tests that are simulated, one entry each", accepted="list"
+    )
+    recordings: dict[Name, str] = key(
+        "folder of each set of recordings, which holds `CONDITION_REPLICATE.csv`; without it nothing is calibrated. A "
+        "set that `laboratory` or `source` writes lies in a folder of its own below `results/NAME/recordings`, which "
+        "the workflow empties first. Paths have no braces",
+        {},
+        accepted="`NAME: FOLDER`",
+        remedy=NAME_REMEDY,
+    )
+    evidence: list[EvidenceEntry] = key(
+        "[uniaxial tests of the bulk](uniaxial.md), which calibrate as well or judge the law, and "
+        "[imprints](imprint.md), which judge it; one entry each",
+        [],
+        accepted="list",
+    )
+    condition_sets: dict[Name, Names] = key(
+        "further calibrations, each on some of the conditions with `role: calibrate`; the set `all` has all of them",
+        {},
+        accepted="`NAME: [CONDITION, ...]`",
+    )
+    surrogate: SurrogateSettings = key("how curves are interpolated between the snapshots", SurrogateSettings())
+    calibration: CalibrationSettings = key("how the parameters are estimated", CalibrationSettings())
+    diagnosis: DiagnosisSettings = key("how missing effects are searched", DiagnosisSettings())
+    laboratory: dict[str, LaboratorySettings] = key(
+        "writes synthetic recordings of a known material, for each set named", {}, accepted="`NAME: table`"
+    )
+    source: SourceSection | None = key(
+        "the vendor's file that a set of recordings is converted from",
+        None,
+        remedy="give file, recordings and either condition or conditions",
+    )
+    challenge: Challenge = key("cases of [the blind trial](blind_trial.md), `snakemake challenge`", Challenge())
