@@ -9,6 +9,7 @@ from palpate.classical import ting
 from palpate.inference.calibrate import CalibrationSettings, base_fit
 from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, SIZES, Discrepancy, Size, log_prior
 from palpate.inference.estimates import intervals, law_discrepancy
+from palpate.inference.law_structure import Indentation
 from palpate.inference.marginal import Marginal, Modes
 from palpate.inference.problem import Problem
 from palpate.study.indenter import Indenter
@@ -28,7 +29,8 @@ def trials(*tests):
 
 def discrepancy(protocols, sharp=True, law_error=0.0025, share=0.01, own=OBEYS, kind="test"):
     depths = {str(k): depth(SOLID, protocol) for k, protocol in enumerate(protocols)}
-    return Discrepancy.of(protocols, sharp, depths, law_error, {}).sized(Size(share, own, kind))
+    tests = [Indentation(protocol, grows=not sharp) for protocol in protocols]
+    return Discrepancy.of(tests, depths, law_error, {}).sized(Size(share, own, kind))
 
 
 def correlations(first, second, sharp=True):

@@ -8,6 +8,7 @@ from typing import Any
 
 from indentation_files.recording import Recording
 from palpate.configuration.prescribed_history import Histories
+from palpate.configuration.tips import tip_name
 from palpate.errors import InputError, part_of
 from palpate.observables import Observable, response_to
 from palpate.study.held_out import Parts, divided, inside
@@ -35,6 +36,8 @@ class Condition:
         Parts of the test that are held out: the protocol has no samples there.
     part_of
         Name of the condition of which these are the parts that are held out; empty for a condition of its own.
+    tip
+        Name of a tip of its own; empty for that of the study.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Condition:
     own_loads: bool = False
     held_out: Parts = ()
     part_of: str = ""
+    tip: str = ""
 
     @property
     def observable(self) -> Observable:
@@ -76,15 +80,15 @@ def conditions_of_entry(index: int, entry: Mapping[str, Any], histories: Histori
         Samples that must not be held out.
     """
     follows, own_loads = entry.get("load_history", ""), entry.get("own_loads", False)
-    name, role = entry["name"], entry.get("role", "calibrate")
+    name, role, tip = entry["name"], entry.get("role", "calibrate"), tip_name(entry)
     with part_of(f"conditions[{index}] ({name})"):
         protocol = histories.protocol(entry)
         if "held_out" not in entry:
-            return [Condition(name, role, protocol, follows, own_loads)]
+            return [Condition(name, role, protocol, follows, own_loads, tip=tip)]
         if role != "calibrate":
             raise InputError("with role: validate all of a test is held out", remedy="keep one", place="held_out")
         parts, counted, rest = divided(protocol, entry["held_out"], least)
     return [
-        Condition(name, role, counted, follows, own_loads, held_out=parts),
-        Condition(f"{name}.held_out", "validate", rest, follows, own_loads, part_of=name),
+        Condition(name, role, counted, follows, own_loads, held_out=parts, tip=tip),
+        Condition(f"{name}.held_out", "validate", rest, follows, own_loads, part_of=name, tip=tip),
     ]

@@ -186,8 +186,3 @@ def check_contradictions(values: Mapping[str, Any]) -> None:
             "it is compared with the unloadings of fitted tests under load control, of which there are none",
             remedy="leave it out", place="diagnosis.reference",
         )  # fmt: skip
-    if "poisson_ratio" in values["indenter"] and "modulus" not in values["indenter"]:
-        raise InputError(
-            "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
-            place="indenter.poisson_ratio",
-        )  # fmt: skip

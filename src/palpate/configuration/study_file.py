@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -20,6 +20,7 @@ from palpate.configuration.prescribed_history import Histories
 from palpate.configuration.recording_sets import recording_sets
 from palpate.configuration.schema import check_contradictions, check_schema, study_schema, suggestion, with_defaults
 from palpate.configuration.source_section import source_from
+from palpate.configuration.tips import check_tips, indenters_of
 from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
@@ -55,7 +56,9 @@ class Study:
         How the snapshots lie: `kind` ``factorial`` takes every combination of the levels, ``sobol`` as many `points` of
         a Sobol sequence between the lowest and the highest ones.
     indenter, kinematics, accuracy, points
-        How a snapshot is simulated.
+        How a snapshot is simulated; the indenter is the tip of conditions that name none.
+    tips
+        Tips that conditions name, by their names.
     conditions
         All loading conditions; the parts of one that are held out follow it as a condition ``NAME.held_out``.
     condition_sets
@@ -76,6 +79,7 @@ class Study:
     levels: Mapping[str, tuple[float, ...]]
     design: Mapping[str, Any]
     indenter: Indenter
+    tips: Mapping[str, Indenter]
     kinematics: str
     accuracy: str
     points: int
@@ -134,6 +138,22 @@ class Study:
         """Return the condition called `name`."""
         return next(condition for condition in self.conditions if condition.name == name)
 
+    def tip_of(self, condition: Condition) -> Indenter:
+        """Return what presses under a condition."""
+        return self.tips[condition.tip] if condition.tip else self.indenter
+
+    @property
+    def of_revolution(self) -> bool:
+        """Whether none of its tips is a pyramid."""
+        return all(tip.of_revolution for tip in (self.indenter, *self.tips.values()))
+
+    def by_tip(self, conditions: Iterable[Condition]) -> dict[str, list[Condition]]:
+        """Return conditions by the names of their tips; that of the study's own tip is empty."""
+        found: dict[str, list[Condition]] = {}
+        for condition in conditions:
+            found.setdefault(condition.tip, []).append(condition)
+        return found
+
     def specification(
         self, cell: Mapping[str, float], condition: Condition, accuracy: str | None = None
     ) -> Specification:
@@ -141,10 +161,11 @@ class Study:
         return Specification(
             self.model,
             {**self.fixed, **cell},
-            self.indenter,
+            self.tip_of(condition),
             condition.protocol,
             kinematics=self.kinematics,
             accuracy=accuracy or self.accuracy,
+            tip=condition.tip,
         )
 
 
@@ -204,8 +225,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     source = source_from(settings, data if data is not None else values.get("data"))
     tests = cache(lambda: read_source(source))
     levels = checked_levels(model, material, values["parameters"], settings["design"]["kind"])
-    with part_of("indenter"):
-        indenter = Indenter.from_mapping(values["indenter"])
+    indenter, tips = indenters_of(values)
+    check_tips(settings, tips)
     recordings = recording_sets(settings)
     laboratory = settings.get("laboratory", {})
     measured = {name: folder for name, folder in recordings.items() if name not in laboratory}
@@ -225,6 +246,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         fixed=material,
         levels=levels,
         indenter=indenter,
+        tips=tips,
         conditions=conditions,
         condition_sets=_condition_sets(values.get("condition_sets", {}), conditions),
         recordings=recordings,
