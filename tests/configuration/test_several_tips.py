@@ -46,7 +46,7 @@ def test_parts_that_are_held_out_are_pressed_by_the_tip_of_their_test(tmp_path):
             {"conditions": conditions(a=None, b=SPHERE, c=SPHERE | {"radius": 500.0})},
             "conditions[2] (c).indenter.name", "another tip is called 'ball', too",
         ),
-        ({"conditions": conditions(a=None, b={"shape": "sphere", "radius": 1e4})}, "conditions[1].indenter", "{name: N"),
+        ({"conditions": conditions(a=None, b={"shape": "sphere"})}, "conditions[1].indenter", "give {name: NAME"),
         ({"conditions": conditions(a=None, b=SPHERE | {"name": "a.b"})}, "conditions[1].indenter", "letters, digits"),
         (
             {"conditions": conditions(a=None, b={"name": "ball", "shape": "sphere"})},
@@ -61,7 +61,7 @@ def test_parts_that_are_held_out_are_pressed_by_the_tip_of_their_test(tmp_path):
             "diagnosis.mechanisms", "did you mean 'corner'?",
         ),
         (
-            {"conditions": conditions(a=None, b=CORNER), "diagnosis": {"ranges": {"tip_angle[b]": {"half_angle": [1, 2]}}}},
+            {"conditions": conditions(a=None, b=CORNER), "diagnosis": {"ranges": {"tip_angle[b]": {"x": [1, 2]}}}},
             "diagnosis.ranges", "no condition has a tip of this name",
         ),
         ({"diagnosis": {"mechanisms": ["tip_angle[corner]"]}}, "diagnosis.mechanisms", "the study has one tip"),

@@ -49,9 +49,8 @@ def test_under_a_sharp_tip_tests_of_one_history_share_it_wholly_at_every_load():
 def of_two_tips(one, two, load=1.0, depth_of_sphere=400.0):
     """Return the correlation (n,) of what histories determine, in tests of one load history with two tips."""
     (protocol,) = trials((load, 30.0, 10.0))
-    tests = [
-        Indentation.under(name, tip, protocol, [protocol], [depth_of_sphere]) for name, tip in zip("ab", (one, two))
-    ]
+    tips = {"a": one, "b": two}.items()
+    tests = [Indentation.under(name, tip, protocol, [protocol], [depth_of_sphere]) for name, tip in tips]
     common = Discrepancy.of(tests, {"a": depth(SOLID, protocol), "b": depth(SOLID, protocol)}, 0.0025, {}).common
     a, b = np.split(common, 2)
     return np.sum(a * b, axis=1) / np.sqrt(np.sum(a**2, axis=1) * np.sum(b**2, axis=1))
