@@ -173,9 +173,9 @@ def _values(mechanism: Any) -> str:
 
 def keys(name: str) -> str:
     """Return the keys of one table of a study's file, as `palpate.configuration.study_sections` declares them."""
-    from palpate.configuration import settings, study_sections
+    from palpate.configuration import entries, settings, study_sections
 
-    declared = getattr(study_sections, name, None) or getattr(settings, name)
+    declared = next(vars(each)[name] for each in (study_sections, entries, settings) if name in vars(each))
     rows = (
         (f"`{key}`", field.description, _accepted(field), _default(field))
         for key, field in declared.model_fields.items()

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.optimize import least_squares
 from scipy.special import gamma, gammainc
 
-from palpate.inference.law_structure import HISTORIES, TIMES, features, kernel
+from palpate.inference.law_structure import HISTORIES, TIMES, Indentation, features, kernel
 from palpate.mechanisms.draws import log_uniform
 from palpate.study.protocol import Protocol, trapezoid
 from studies.coverage.creep import POISSON_RATIO, HasIntegral, burgers, depth
@@ -102,7 +102,7 @@ def structures() -> dict[str, np.ndarray]:
         found[f"segments, length {length:g}"] = kernel(places / length) * shared
     for by_time in FACTORS:
         for by_history in FACTORS:
-            parts = [features(test, sharp=True) for test in tests]
+            parts = [features(Indentation(test)) for test in tests]
             scaled = np.vstack(parts) / np.append(by_time, np.full(parts[0].shape[1] - 1, by_history))
             found[f"histories, a {by_time * TIMES:g}, b {by_history * HISTORIES:g}"] = kernel(scaled)
     return {name: (1.0 - OWN) * of + OWN * of * same for name, of in found.items()}

@@ -49,9 +49,9 @@ def test_the_study_holds_the_test_that_was_proposed(tmp_path, monkeypatch, capsy
     time = np.linspace(0.0, protocol.knot_time[-1], 50)
     expected = np.interp(time, test.protocol.knot_time, test.protocol.knot_drive)
     np.testing.assert_allclose(np.interp(time, protocol.knot_time, protocol.knot_drive), expected, atol=1e-12)
-    assert study.indenter == (test.indenter or Indenter("cone", 70.3))
-    others = [each.name for each in study.conditions[:-1]]
-    assert others == ([] if test.indenter else ["P1_T30"])
+    assert study.tip_of(condition) == (test.indenter or Indenter("cone", 70.3))
+    assert study.indenter == Indenter("cone", 70.3)
+    assert [each.name for each in study.conditions[:-1]] == ["P1_T30"]
     assert main(["check", str(folder / "study.yaml")]) == 0
     assert "probability of 83 %" in capsys.readouterr().out
 

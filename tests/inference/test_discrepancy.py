@@ -10,6 +10,7 @@ from palpate.configuration.settings import CalibrationSettings
 from palpate.inference.calibrate import base_fit
 from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, SIZES, Discrepancy, Size, log_prior
 from palpate.inference.estimates import intervals, law_discrepancy
+from palpate.inference.law_structure import Indentation
 from palpate.inference.marginal import Marginal, Modes
 from palpate.inference.problem import Problem
 from palpate.study.indenter import Indenter
@@ -29,7 +30,8 @@ def trials(*tests):
 
 def discrepancy(protocols, sharp=True, law_error=0.0025, share=0.01, own=OBEYS, kind="test"):
     depths = {str(k): depth(SOLID, protocol) for k, protocol in enumerate(protocols)}
-    return Discrepancy.of(protocols, sharp, depths, law_error, {}).sized(Size(share, own, kind))
+    tests = [Indentation(protocol, grows=not sharp) for protocol in protocols]
+    return Discrepancy.of(tests, depths, law_error, {}).sized(Size(share, own, kind))
 
 
 def correlations(first, second, sharp=True):
@@ -43,6 +45,49 @@ def test_under_a_sharp_tip_tests_of_one_history_share_it_wholly_at_every_load():
     assert correlations((1.0, 30.0, 10.0), (9.0, 30.0, 10.0)) == pytest.approx(1.0, abs=1e-3)
     under_a_sphere = correlations((1.0, 30.0, 10.0), (9.0, 30.0, 10.0), sharp=False)
     assert under_a_sphere.max() < 0.1
+
+
+def of_two_tips(one, two, load=1.0, depth_of_sphere=400.0):
+    """Return the correlation (n,) of what histories determine, in tests of one load history with two tips."""
+    (protocol,) = trials((load, 30.0, 10.0))
+    tips = {"a": one, "b": two}.items()
+    tests = [Indentation.under(name, tip, protocol, [protocol], [depth_of_sphere]) for name, tip in tips]
+    common = Discrepancy.of(tests, {"a": depth(SOLID, protocol), "b": depth(SOLID, protocol)}, 0.0025, {}).common
+    a, b = np.split(common, 2)
+    return np.sum(a * b, axis=1) / np.sqrt(np.sum(a**2, axis=1) * np.sum(b**2, axis=1))
+
+
+def test_tips_share_it_as_far_as_they_strain_the_body_alike():
+    cone = Indenter("cone", 70.3)
+    assert of_two_tips(cone, Indenter.from_mapping({"shape": "berkovich"})) == pytest.approx(1.0, abs=1e-3)
+    assert of_two_tips(cone, Indenter("cone", 42.3)).max() < 1e-3
+    slope = 1.0 / np.tan(np.radians(70.3))
+    at_its_slope = of_two_tips(cone, Indenter("sphere", radius=400.0 / slope**2))
+    loading = slice(0, int(np.argmax(trials((1.0, 30.0, 10.0))[0].sample_load)) + 1)
+    assert at_its_slope[loading][-1] == pytest.approx(1.0, abs=1e-3)
+    assert at_its_slope[loading][0] < 0.1
+    assert of_two_tips(cone, Indenter("sphere", radius=1e6)).max() < 1e-3
+
+
+def test_a_sphere_shares_with_another_what_it_shares_with_itself_at_the_load_of_equal_strain():
+    """Hertz: (a / R)^3 = 3 P / (4 E R^2), so four times the load on twice the radius is the same strain."""
+    first, second = trials((1.0, 30.0, 10.0), (4.0, 30.0, 10.0))
+    tests = [
+        Indentation.under("a", Indenter("sphere", radius=1e4), first, [first], [500.0]),
+        Indentation.under("b", Indenter("sphere", radius=2e4), second, [second], [1000.0]),
+    ]
+    common = Discrepancy.of(tests, {"a": depth(SOLID, first), "b": depth(SOLID, second)}, 0.0025, {}).common
+    a, b = np.split(common, 2)
+    assert np.sum(a * b, axis=1) == pytest.approx(np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1), rel=1e-3)
+
+
+def test_a_length_of_one_tip_says_nothing_of_another():
+    (protocol,) = trials((1.0, 30.0, 10.0))
+    tests = [Indentation(protocol, name) for name in "ab"]
+    found = Discrepancy.of(tests, {"a": depth(SOLID, protocol), "b": depth(SOLID, protocol)}, 0.0025, {})
+    for kind in LENGTHS:
+        a, b = np.split(found.breaches[kind], 2)
+        assert np.abs(a @ b.T).max() == 0.0 < np.abs(a).max()
 
 
 def test_times_that_are_nearly_equal_are_equal_and_others_share_it_in_part():

@@ -183,7 +183,6 @@ SMALL_MODULES = {
     "palpate.analytic.sneddon": "one solution a file",
     "palpate.base.checked_kernels": "the form of compiled kernels, whose content counts for their address",
     "palpate.configuration.recording_sets": "study_file is as long as a module may be",
-    "palpate.inference.errors_at_end": "fitting is longer than a module may be",
     "palpate.inference.imprint_prediction": "one kind of evidence a file",
     "palpate.output.report.further_evidence_sections": "sections is as long as a module may be",
     "palpate.output.vtu": "one file format",

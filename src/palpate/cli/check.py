@@ -74,6 +74,7 @@ def _described(
     from palpate.data.bulk_tests import bulk_tests
     from palpate.data.study_recordings import written_by_workflow
     from palpate.models.imprints import imprints
+    from palpate.output.tip_words import tip_in_words
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import cycles_to_hold_out, passed_over
 
@@ -84,6 +85,8 @@ def _described(
     for alike in conditions_by_shape(study):
         if len(alike) > 1:
             yield f"{', '.join(c.name for c in alike)} differ in size alone: one simulation gives them all"
+    for tip, pressed in (study.by_tip(study.tested.values()) if study.tips else {}).items():
+        yield f"{', '.join(c.name for c in pressed)}: {tip and tip + ', '}{tip_in_words(study.tip_of(pressed[0]))}"
     held_out = ", ".join(c.name for c in study.conditions if c.role == "validate") or "no condition"
     yield f"calibrated on {', '.join(calibrated)}; validated on {held_out}"
     if held_out == "no condition":

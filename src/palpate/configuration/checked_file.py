@@ -187,9 +187,3 @@ def check_contradictions(study: StudyFile) -> None:
             "it is compared with the unloadings of fitted tests under load control, of which there are none",
             remedy="leave it out", place="diagnosis.reference",
         )  # fmt: skip
-    tip = study.indenter.model_dump()
-    if "poisson_ratio" in tip and "modulus" not in tip:
-        raise InputError(
-            "a rigid tip has no Poisson's ratio", remedy="add its modulus, or leave it out",
-            place="indenter.poisson_ratio",
-        )  # fmt: skip

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from indentation_files.recording import Recording
+from palpate.configuration.checked_file import suggestion
 from palpate.configuration.prescribed_history import Histories
+from palpate.configuration.tips import tip_name
 from palpate.errors import InputError, part_of
 from palpate.observables import Observable, response_to
 from palpate.study.held_out import Parts, divided, inside
@@ -35,6 +37,8 @@ class Condition:
         Parts of the test that are held out: the protocol has no samples there.
     part_of
         Name of the condition of which these are the parts that are held out; empty for a condition of its own.
+    tip
+        Name of a tip of its own; empty for that of the study.
     """
 
     name: str
@@ -44,6 +48,7 @@ class Condition:
     own_loads: bool = False
     held_out: Parts = ()
     part_of: str = ""
+    tip: str = ""
 
     @property
     def observable(self) -> Observable:
@@ -76,15 +81,53 @@ def conditions_of_entry(index: int, entry: Mapping[str, Any], histories: Histori
         Samples that must not be held out.
     """
     follows, own_loads = entry.get("load_history", ""), entry.get("own_loads", False)
-    name, role = entry["name"], entry.get("role", "calibrate")
+    name, role, tip = entry["name"], entry.get("role", "calibrate"), tip_name(entry.get("indenter"))
     with part_of(f"conditions[{index}] ({name})"):
         protocol = histories.protocol(entry)
         if "held_out" not in entry:
-            return [Condition(name, role, protocol, follows, own_loads)]
+            return [Condition(name, role, protocol, follows, own_loads, tip=tip)]
         if role != "calibrate":
             raise InputError("with role: validate all of a test is held out", remedy="keep one", place="held_out")
         parts, counted, rest = divided(protocol, entry["held_out"], least)
     return [
-        Condition(name, role, counted, follows, own_loads, held_out=parts),
-        Condition(f"{name}.held_out", "validate", rest, follows, own_loads, part_of=name),
+        Condition(name, role, counted, follows, own_loads, held_out=parts, tip=tip),
+        Condition(f"{name}.held_out", "validate", rest, follows, own_loads, part_of=name, tip=tip),
     ]
+
+
+def condition_sets_of(
+    given: Mapping[str, Sequence[str]], conditions: tuple[Condition, ...]
+) -> dict[str, tuple[str, ...]]:
+    """Return the names of the conditions that each calibration uses; ``all`` has all with the role ``calibrate``.
+
+    Parameters
+    ----------
+    given
+        The section ``condition_sets``.
+    conditions
+        All conditions of the study.
+
+    Raises
+    ------
+    InputError
+        When no condition is fitted, a set names one that is not, or ``all`` lacks one.
+    """
+    calibrate = tuple(condition.name for condition in conditions if condition.role == "calibrate")
+    if not calibrate:
+        raise InputError("no condition has the role calibrate", remedy="give one that role", place="conditions")
+    for key, names in given.items():
+        for name in names:
+            if name not in calibrate:
+                there = name in [condition.name for condition in conditions]
+                raise InputError(
+                    f"{name!r} {'has the role validate' if there else 'is no condition'}{suggestion(name, calibrate)}",
+                    remedy=f"use calibrate conditions: {', '.join(calibrate)}",
+                    place=f"condition_sets.{key}",
+                )
+    if left := [name for name in calibrate if name not in given.get("all", calibrate)]:
+        raise InputError(
+            f"{left[0]!r} has the role calibrate, and is not in the set of all such conditions",
+            remedy="give it role: validate, or the set another name",
+            place="condition_sets.all",
+        )
+    return {"all": calibrate} | {key: tuple(names) for key, names in given.items()}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.configuration.checked_file import suggestion
-from palpate.configuration.study_sections import EvidenceEntry
+from palpate.configuration.entries import EvidenceEntry
 from palpate.errors import InputError, part_of
 
 NONE = "none"  # of a test that belongs to no condition

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -13,8 +13,8 @@ import numpy as np
 from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
-from palpate.configuration.checked_file import check_contradictions, checked_file, suggestion
-from palpate.configuration.condition import Condition, conditions_of_entry
+from palpate.configuration.checked_file import check_contradictions, checked_file
+from palpate.configuration.condition import Condition, condition_sets_of, conditions_of_entry
 from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
@@ -28,6 +28,7 @@ from palpate.configuration.settings import (
     SurrogateSettings,
 )
 from palpate.configuration.source_section import source_from
+from palpate.configuration.tips import check_tips, indenters_of
 from palpate.design.sampling import factorial, sobol
 from palpate.errors import InputError, located_in, part_of
 from palpate.materials import law_of
@@ -63,7 +64,9 @@ class Study:
         How the snapshots lie: `kind` ``factorial`` takes every combination of the levels, ``sobol`` as many `points` of
         a Sobol sequence between the lowest and the highest ones.
     indenter, kinematics, accuracy, points
-        How a snapshot is simulated.
+        How a snapshot is simulated; the indenter is the tip of conditions that name none.
+    tips
+        Tips that conditions name, by their names.
     conditions
         All loading conditions; the parts of one that are held out follow it as a condition ``NAME.held_out``.
     condition_sets
@@ -87,6 +90,7 @@ class Study:
     levels: Mapping[str, tuple[float, ...]]
     design: Design
     indenter: Indenter
+    tips: Mapping[str, Indenter]
     kinematics: str
     accuracy: str
     points: int
@@ -145,6 +149,22 @@ class Study:
         """Return the condition called `name`."""
         return next(condition for condition in self.conditions if condition.name == name)
 
+    def tip_of(self, condition: Condition) -> Indenter:
+        """Return what presses under a condition."""
+        return self.tips[condition.tip] if condition.tip else self.indenter
+
+    @property
+    def of_revolution(self) -> bool:
+        """Whether none of its tips is a pyramid."""
+        return all(tip.of_revolution for tip in (self.indenter, *self.tips.values()))
+
+    def by_tip(self, conditions: Iterable[Condition]) -> dict[str, list[Condition]]:
+        """Return conditions by the names of their tips; that of the study's own tip is empty."""
+        found: dict[str, list[Condition]] = {}
+        for condition in conditions:
+            found.setdefault(condition.tip, []).append(condition)
+        return found
+
     def specification(
         self, cell: Mapping[str, float], condition: Condition, accuracy: str | None = None
     ) -> Specification:
@@ -152,10 +172,11 @@ class Study:
         return Specification(
             self.model,
             {**self.fixed, **cell},
-            self.indenter,
+            self.tip_of(condition),
             condition.protocol,
             kinematics=self.kinematics,
             accuracy=accuracy or self.accuracy,
+            tip=condition.tip,
         )
 
 
@@ -211,8 +232,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     source = source_from(given, data if data is not None else given.data)
     tests = cache(lambda: read_source(source))
     levels = checked_levels(model, material, given.parameters, given.design.kind)
-    with part_of("indenter"):
-        indenter = Indenter.from_mapping(given.indenter.model_dump())
+    indenter, tips = indenters_of(given)
+    check_tips(given, tips)
     recordings = recording_sets(given)
     measured = {name: folder for name, folder in recordings.items() if name not in given.laboratory}
     histories = Histories(given.points, measured, source, tests)
@@ -231,8 +252,9 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         fixed=material,
         levels=levels,
         indenter=indenter,
+        tips=tips,
         conditions=conditions,
-        condition_sets=_condition_sets(given.condition_sets, conditions),
+        condition_sets=condition_sets_of(given.condition_sets, conditions),
         recordings=recordings,
         evidence=evidence_from(given.evidence, names),
         source=source,
@@ -258,27 +280,3 @@ def _check_laboratories(study: Study) -> None:
             study.specification(settings.parameters, study.conditions[0])
         with part_of(place):
             checked_mechanisms(settings.mechanisms)
-
-
-def _condition_sets(
-    given: Mapping[str, Sequence[str]], conditions: tuple[Condition, ...]
-) -> dict[str, tuple[str, ...]]:
-    calibrate = tuple(condition.name for condition in conditions if condition.role == "calibrate")
-    if not calibrate:
-        raise InputError("no condition has the role calibrate", remedy="give one that role", place="conditions")
-    for key, names in given.items():
-        for name in names:
-            if name not in calibrate:
-                there = name in [condition.name for condition in conditions]
-                raise InputError(
-                    f"{name!r} {'has the role validate' if there else 'is no condition'}{suggestion(name, calibrate)}",
-                    remedy=f"use calibrate conditions: {', '.join(calibrate)}",
-                    place=f"condition_sets.{key}",
-                )
-    if left := [name for name in calibrate if name not in given.get("all", calibrate)]:
-        raise InputError(
-            f"{left[0]!r} has the role calibrate, and is not in the set of all such conditions",
-            remedy="give it role: validate, or the set another name",
-            place="condition_sets.all",
-        )
-    return {"all": calibrate} | {key: tuple(names) for key, names in given.items()}

@@ -66,8 +66,8 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
     more. Depths outside 1/5 to 30 elastic depths of the grid's moduli are therefore taken for a mistaken unit.
     """
     check_drive(condition.protocol, recording, condition.own_loads, bool(condition.follows))
-    radius, depth = study.indenter.radius, recording.depth.max()
-    low, high = study.indenter.holds_between
+    tip, depth = study.tip_of(condition), recording.depth.max()
+    low, high = tip.holds_between
     if not low < depth < high:
         raise InputError(
             f"the largest depth is {depth:.4g} nm, the tip's area function is positive and grows from {low:.4g} to "
@@ -75,15 +75,13 @@ def _check_one(study: Study, condition: Condition, recording: Recording) -> None
             remedy="use an area function that was calibrated at the depths of the test",
             place="depth_nm",
         )
-    if study.indenter.shape == "sphere" and depth > DEEPEST_IN_SPHERE * radius:
+    if tip.shape == "sphere" and depth > DEEPEST_IN_SPHERE * tip.radius:
         raise InputError(
-            f"the largest depth is {depth:.4g} nm, under a sphere of {radius:g} nm; is the radius in um?",
+            f"the largest depth is {depth:.4g} nm, under a sphere of {tip.radius:g} nm; is the radius in um?",
             remedy="write indenter.radius in nm",
             place="depth_nm",
         )
-    elastic = [
-        depth for modulus in _moduli(study) for depth in elastic_depths(study.indenter, recording.load.max(), modulus)
-    ]
+    elastic = [depth for modulus in _moduli(study) for depth in elastic_depths(tip, recording.load.max(), modulus)]
     for wrong, question in (
         (depth < SHALLOWEST * min(elastic), "are depths in micrometres, or loads in uN?"),
         (depth > DEEPEST * max(elastic), "are depths in pm, or loads in N?"),

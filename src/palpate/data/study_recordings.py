@@ -209,7 +209,7 @@ def resampled(study: Study, checked: Mapping[str, list[Recording]]) -> dict[str,
             own = tuple(own_protocol(protocol, recording) for recording in recordings)
             recordings = [stretched(protocol, recording) for recording in recordings]
         item = Observation.from_recordings(protocol, recordings, condition.role, condition.observable)
-        quantity = Quantity.of(condition.observable, protocol, study.indenter, item.mean)
+        quantity = Quantity.of(condition.observable, protocol, study.tip_of(condition), item.mean)
         found[condition.name] = replace(item, quantity=quantity, own=own)
     return found
 

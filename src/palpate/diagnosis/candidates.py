@@ -35,8 +35,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
 
 
 def _candidates(study: Study) -> dict[str, Mechanism]:
-    wanted = considered(study.diagnosis.mechanisms, "diagnosis.mechanisms")
-    tests = {condition.protocol.control: condition for condition in study.calibrated}
+    wanted = considered(study.diagnosis.mechanisms, "diagnosis.mechanisms", study.tips)
+    tests = {(condition.tip, condition.protocol.control): condition for condition in study.calibrated}
     specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
     _check_draws(study.diagnosis.bootstrap, study.diagnosis.significance)
     _check_ranges(scale, list(wanted))
@@ -48,6 +48,10 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
         some = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(SOME)) for name, r in ranges}
         values = dict(mechanism.from_search(some, scale))
         try:
+            if not any(mechanism.acts_under(specification.tip) for specification in specifications):
+                raise InputError(
+                    f"{key}: no calibrate condition has its tip", remedy="leave it out", place="diagnosis.mechanisms"
+                )
             for specification in specifications:
                 applied_to_body(replace(specification, mechanisms={key: values}))
         except InputError:
@@ -103,7 +107,7 @@ def _check_ends(study: Study, scale: Scale, mechanism: Mechanism) -> None:
         try:
             mechanism.check(values)
             for specification in specifications if mechanism.acts_on_body else ():
-                solid = mechanism.simulate(specification, values)
+                solid = mechanism.applied(specification, values)
                 largest = contact_range(solid.specimen, solid.indenter, solid.protocol)[1]
                 check_size(solid.specimen, solid.indenter, RESOLUTIONS[solid.accuracy], largest)
         except InputError as error:

@@ -52,7 +52,8 @@ class ExactLaws:
             self._solid = undisturbed(base, self._recorded)
             alone = [self._alone(name) * len(self._recorded[name]) for name in names]
             found = laws_of(every, chain.from_iterable(alone))
-        return [*found, *law_of_reference(every, self._study)]
+        own = [test for name in names if not self._study.condition(name).tip for test in self._recorded[name]]
+        return [*found, *law_of_reference(own, self._study)]
 
     def of_each(self) -> dict[str, list[list[AmplitudeConstraint]]]:
         """Return the amplitudes from each single recording, by condition; call `beside` first."""

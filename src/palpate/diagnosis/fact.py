@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from palpate.mechanisms import MECHANISMS
@@ -42,6 +42,13 @@ class Fact:
         if self.neutral is None or self.lower - self.negligible <= self.neutral <= self.upper + self.negligible:
             return []
         return [key for key in self.points_to if key in MECHANISMS]
+
+    def under_tip(self, name: str) -> Fact:
+        """Return the same of tests with the tip of this name, whose own effects it suggests; empty for the study's."""
+        if not name:
+            return self
+        own = [f"{key}[{name}]" if key in MECHANISMS and MECHANISMS[key].of_the_tip else key for key in self.points_to]
+        return replace(self, fact=f"{self.fact}, with {name}", points_to=tuple(own))
 
     def row(self) -> dict[str, Any]:
         """Return its content for `diagnosis.json`."""

@@ -77,10 +77,14 @@ def law_class(fit: Fit) -> dict[str, Any]:
 
 
 def _tells(problem: Problem) -> bool:
-    """Return whether tests of one normalised history differ in load, and others in duration."""
-    loads = [condition.protocol.largest_drive for condition in problem.conditions]
-    durations = [float(condition.protocol.knot_time[-1]) for condition in problem.conditions]
-    return max(loads) > APART * min(loads) and max(durations) > APART * min(durations)
+    """Return whether tests with one tip differ in load, and in duration."""
+
+    def differ(tip: str) -> bool:
+        tests = [condition.protocol for condition in problem.conditions if condition.tip == tip]
+        loads, durations = [test.largest_drive for test in tests], [float(test.knot_time[-1]) for test in tests]
+        return max(loads) > APART * min(loads) and max(durations) > APART * min(durations)
+
+    return any(differ(condition.tip) for condition in problem.conditions)
 
 
 def _log_evidence(marginal: Marginal, density: np.ndarray, of_class: Sequence[bool]) -> float:

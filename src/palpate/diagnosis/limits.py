@@ -65,7 +65,8 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
         )
     drives = [condition.protocol.largest_drive for condition in problem.conditions]
     kinds = {condition.protocol.control for condition in problem.conditions}
-    if len(kinds) == 1 and max(drives) < SAME_LOAD * min(drives):
+    tips = {condition.tip for condition in problem.conditions}
+    if len(kinds) == len(tips) == 1 and max(drives) < SAME_LOAD * min(drives):
         effects = ", ".join(
             mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load
         )

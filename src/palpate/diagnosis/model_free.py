@@ -43,11 +43,14 @@ def model_free(
     """
     tests = [(c, recorded[c.name]) for c in study.calibrated if c.observable.is_depth]
     every = [recording for _, recordings in tests for recording in recordings]
-    found = [*_lag(every), *_exact(study, every)]
-    if study.indenter.sharp:
-        material = study.specification(middle(study), study.conditions[0])
-        creeping = creeps(material.specimen.coefficients)
-        found += scaling_facts.facts(tests, study.calibration.site_scatter, creeping)
+    found = [*_lag(every), *_exact(study, every, [test for c, each in tests if not c.tip for test in each])]
+    material = study.specification(middle(study), study.conditions[0])
+    creeping = creeps(material.specimen.coefficients)
+    for name, conditions in study.by_tip(c for c, _ in tests).items():
+        if study.tip_of(conditions[0]).sharp:
+            alike = [(c, recorded[c.name]) for c in conditions]
+            facts = scaling_facts.facts(alike, study.calibration.site_scatter, creeping)
+            found += [fact.under_tip(name) for fact in facts]
     found += replicate_facts.differences({c.name: observed[c.name] for c, _ in tests})
     found += replicate_facts.trend(tests)
     return [fact for fact in found if np.isfinite([fact.estimate, fact.lower, fact.upper]).all()]
@@ -61,10 +64,13 @@ def _lag(recordings: Sequence[Recording]) -> list[Fact]:
     return [Fact(text, found.lag, found.lower, found.upper, "s", ("controller_lag",))]
 
 
-def _exact(study: Study, recordings: Sequence[Recording]) -> list[Fact]:
-    """Return drift and compliance by exact laws, as they appear: the contribution of creep is not subtracted."""
+def _exact(study: Study, recordings: Sequence[Recording], own: Sequence[Recording]) -> list[Fact]:
+    """Return drift and compliance by exact laws, as they appear: the contribution of creep is not subtracted.
+
+    A reference is pressed by the study's `own` tip.
+    """
     found = []
-    for law in [*laws_of(recordings), *law_of_reference(recordings, study)]:
+    for law in [*laws_of(recordings), *law_of_reference(own, study)]:
         (unit,) = (p.unit for p in MECHANISMS[law.key].parameters if p.name == law.parameter)
         text, background = f"{TITLES[law.key]} ({law.source})", MECHANISMS[law.key].background
         interval = law.estimate, law.lower, law.upper

@@ -6,7 +6,7 @@ that could hide beside it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,22 +47,36 @@ class FeasibleTest:
     protocol
         Its load history.
     indenter
-        Another tip; None for the same.
+        A tip that the study does not have; None for one that it has.
+    tip
+        Name of the study's tip; empty for its own.
     """
 
     phrase: str
     settings: dict[str, float]
     protocol: Protocol
     indenter: Indenter | None = None
+    tip: str = ""
 
     @property
     def condition(self) -> Condition:
         """The test as a condition that takes no part in the fit."""
-        return Condition("", "validate", self.protocol)
+        return Condition("", "validate", self.protocol, tip=self.tip)
 
 
-def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[FeasibleTest]:
-    """Yield tests around the largest load [mN] and shortest loading time [s] of a study, with its tip and another."""
+def feasible(
+    load: float, loading_time: float, indenter: Indenter, further: Mapping[str, float] | None = None
+) -> Iterator[FeasibleTest]:
+    """Yield tests around the largest load [mN] and shortest loading time [s] of a study, with each of its tips.
+
+    Parameters
+    ----------
+    load, loading_time, indenter
+        Of the study's own tip.
+    further
+        The largest load of each further tip, by its name. Where there is none, a tip that the study does not have is
+        feasible.
+    """
     for size in [factor * load for factor in (0.03, 0.1, 0.3, 3.0)]:
         yield _trapezoid(f"the same times at {size:.3g} mN", size, loading_time)
     for time in [factor * loading_time for factor in (0.3, 10.0)]:
@@ -77,7 +91,12 @@ def feasible(load: float, loading_time: float, indenter: Indenter) -> Iterator[F
         {"max_load": load, "loading_time": loading_time, "low_load": low, "low_hold_time": hold},
         Protocol(knots, loads, sample),
     )
-    yield _with_another_tip(_trapezoid(f"the same times at {load:.3g} mN", load, loading_time), indenter)
+    if not further:
+        yield _with_another_tip(_trapezoid(f"the same times at {load:.3g} mN", load, loading_time), indenter)
+        return
+    for name, largest in further.items():
+        for size in [factor * largest for factor in (0.1, 3.0)]:
+            yield replace(_trapezoid(f"the same times at {size:.3g} mN with {name}", size, loading_time), tip=name)
 
 
 def _with_another_tip(test: FeasibleTest, indenter: Indenter) -> FeasibleTest:
@@ -149,7 +168,9 @@ def discriminating_test(study: Study, first: Account, second: Account) -> dict[s
     """
     scale = first.fit.problem.scale
     best: dict[str, Any] | None = None
-    tests = list(feasible(scale.load, scale.loading_time, study.indenter))
+    further = {name: tests for name, tests in study.by_tip(study.calibrated).items() if name}
+    loads = {name: max(each.protocol.max_load for each in tests) for name, tests in further.items()}
+    tests = list(feasible(scale.load, scale.loading_time, study.indenter, loads))
     predicted = (_predicted(account, tests) for account in (first, second))
     for test, *both in zip(tests, *predicted, strict=True):
         if None in both:
@@ -160,6 +181,7 @@ def discriminating_test(study: Study, first: Account, second: Account) -> dict[s
         distance = float((a - b) @ np.linalg.solve(spread, a - b))
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.phrase, **test.settings, "expected_power": power, "distance": distance}
+        entry |= {"tip": test.tip} if test.tip else {}
         if best is None or distance > best["distance"]:
             best = entry | {"separates": [first.name, second.name]}
     if best and (hidden := second.hidden):

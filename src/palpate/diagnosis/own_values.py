@@ -142,7 +142,7 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
     common = model_covariance({condition.name: curve}, study.calibration.solver_error, fit.problem.shares)
     if law := fit.errors.law:
         alone = Discrepancy.of(
-            [condition.protocol], fit.problem.sharp, {condition.name: curve}, law.law_error, fit.problem.shares
+            [fit.problem.indentation(condition)], {condition.name: curve}, law.law_error, fit.problem.shares
         )
         common = common + alone.sized(law.size).covariance
     return noise / count + common + refined

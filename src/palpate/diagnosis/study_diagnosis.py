@@ -111,7 +111,7 @@ def diagnosed(
     content["model_free"] = [fact.row() for fact in model_free(study, counted, problem.observed)]
     laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]
-    following = [c.name for c in study.conditions if c.follows and study.indenter.shape != "sphere"]
+    following = [c.name for c in study.conditions if c.follows and study.tip_of(c).shape != "sphere"]
     measured = {name: pressed[name] for name in following if name in pressed}
     content["zero_points"] = zero_points(measured, laws)
     return content | {"sentence": sentence(content)}, curves

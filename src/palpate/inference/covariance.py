@@ -281,14 +281,13 @@ def errors(
 def rough_covariance(problem: Problem, depth: np.ndarray, solver_error: float) -> np.ndarray:
     """Return the covariance (n_all, n_all) of the ripple of curves `depth` (n_all,) on a mesh [nm^2]."""
     deviation = RIPPLE * solver_error * largest_depths(problem.split(depth), problem.shares)
-    correlation = ripple(tuple(condition.protocol for condition in problem.conditions), problem.sharp)
+    correlation = ripple(problem.indentations)
     return correlation * np.outer(deviation, deviation)
 
 
 def discrepancy_of(problem: Problem, depth: np.ndarray, law_error: float) -> Discrepancy:
     """Return the law's discrepancy about curves `depth` (n_all,) [nm], of size zero yet."""
-    protocols = [condition.protocol for condition in problem.conditions]
-    return Discrepancy.of(protocols, problem.sharp, problem.split(depth), law_error, problem.shares)
+    return Discrepancy.of(problem.indentations, problem.split(depth), law_error, problem.shares)
 
 
 def of_mesh(problem: Problem, model: Forward, solver_error: float) -> list[np.ndarray]:

@@ -41,8 +41,17 @@ import numpy as np
 from scipy.special import logsumexp
 from scipy.stats import logistic
 
-from palpate.inference.law_structure import CROSSINGS, clocks, common, crossovers, parts_of_tests, reversals
-from palpate.study.protocol import Protocol
+from palpate.inference.law_structure import (
+    CROSSINGS,
+    Indentation,
+    Tests,
+    by_tip,
+    clocks,
+    common,
+    crossovers,
+    parts_of_tests,
+    reversals,
+)
 
 PRIOR_SCALE = 0.68  # of the logistic density of ln(share): 95 % lie within a factor of twelve of the median
 SHARES = np.geomspace(5e-5, 0.1, 39)  # nodes of the quadrature over `share`
@@ -113,8 +122,7 @@ class Discrepancy:
     @classmethod
     def of(
         cls,
-        protocols: Sequence[Protocol],
-        sharp: bool,
+        tests: Sequence[Indentation],
         depths: Mapping[str, np.ndarray],
         law_error: float,
         shares: Mapping[str, float],
@@ -123,26 +131,24 @@ class Discrepancy:
 
         Parameters
         ----------
-        protocols
-            Of the tests.
-        sharp
-            Whether neither the tip nor the body has a length.
+        tests
+            Histories and tips.
         depths
-            Simulated curve (n_points,) of each test, in the order of the protocols [nm].
+            Simulated curve (n_points,) of each test, in their order [nm].
         law_error
             Median of the prior of its standard deviation [-].
         shares
             Relative change of a test's response where the depth under the same load changes, see
             `palpate.observables.observable`; one where not given.
         """
-        tests, scale = tuple(protocols), largest_depths(depths, shares)
+        every, scale = tuple(tests), largest_depths(depths, shares)
         breaches = {
-            "test": scale[:, None] * parts_of_tests(tests, sharp),
-            "clock": mean_depth(depths) * clocks(tests),
-            "reversal": scale[:, None] * reversals(tests),
-            **{kind: scale[:, None] * part for kind, part in _with_length(tests, depths).items()},
+            "test": scale[:, None] * parts_of_tests(every),
+            "clock": mean_depth(depths) * clocks(every),
+            "reversal": scale[:, None] * reversals(every),
+            **{kind: scale[:, None] * part for kind, part in _with_length(every, depths).items()},
         }
-        return cls(scale[:, None] * common(tests, sharp), breaches, scale, law_error)
+        return cls(scale[:, None] * common(every), breaches, scale, law_error)
 
     @property
     def share(self) -> float:
@@ -200,12 +206,21 @@ class Discrepancy:
         return np.sqrt(np.repeat([1.0 - own, *of_kinds.values()], counts))
 
 
-def _with_length(tests: tuple[Protocol, ...], depths: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return columns (n, 3) of what crosses over with the depth and with the load, by `LENGTHS`."""
+def _with_length(tests: Tests, depths: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return columns (n, 3 t) of what crosses over with the depth and with the load, by `LENGTHS`, for each of t tips.
+
+    A length of the body acts under each tip by the tip's own measure of it, so that nothing is shared between tips.
+    """
     depth = np.abs(np.concatenate(list(depths.values())))
     relative = depth / np.maximum(largest_depths(depths, {}), 1e-9 * depth.max())
-    drive = np.concatenate([test.sample_drive for test in tests])
-    return dict(zip(LENGTHS, [*crossovers(depth, relative), *crossovers(drive, relative)], strict=True))
+    drive = np.concatenate([test.protocol.sample_drive for test in tests])
+    found: dict[str, list[np.ndarray]] = {kind: [] for kind in LENGTHS}
+    for own in by_tip(tests):
+        parts = [*crossovers(depth[own], relative[own]), *crossovers(drive[own], relative[own])]
+        for kind, part in zip(LENGTHS, parts, strict=True):
+            found[kind].append(np.zeros((len(depth), part.shape[1])))
+            found[kind][-1][own] = part
+    return {kind: np.hstack(parts) for kind, parts in found.items()}
 
 
 def mean_depth(depths: Mapping[str, np.ndarray]) -> float:

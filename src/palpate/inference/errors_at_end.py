@@ -40,8 +40,9 @@ def effects_at(problem: Problem, explanation: Explanation, end: Descent) -> dict
 
 def _assumed(problem: Problem, key: str, z: np.ndarray) -> Mapping[str, float]:
     """Return the values of a mechanism that the base model assumes, at coordinates z (k,)."""
-    assumed, first = MECHANISMS[key].assumed, problem.conditions[0]
-    return assumed(problem.forward.specification(z, first)) if assumed else MECHANISMS[key].neutral
+    mechanism = MECHANISMS[key]
+    first = next(each for each in problem.conditions if mechanism.acts_under(each.tip))
+    return mechanism.assumed(problem.forward.specification(z, first)) if mechanism.assumed else mechanism.neutral
 
 
 def with_own_values(fit: Fit) -> Fit:

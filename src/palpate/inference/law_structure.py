@@ -5,15 +5,24 @@ belongs to each test alone, or has a length, or follows the clock, as a drift of
 instrument does, or begins where the load turns, as overshoots and backlashes do: there it changes with the logarithm of
 the time since then, and fades over a segment. Each is a Gaussian process; here are columns whose products are its
 correlation. What has a length is one function of few freedoms, see `crossovers`.
+
+Tests with different tips share it as far as they strain the body alike. A strain is measured by the slope of the tip at
+the edge of contact (D. Tabor, The Hardness of Metals, 1951): that of the flank under a cone or a pyramid at any load,
+a / R under a sphere, whose cube grows with the load (Hertz). So the logarithm of that cube takes the place of the
+logarithm of the load, and a cone and a sphere of one slope share what two loads on one sphere would share. What one
+tip breaches, or what has a length, says nothing of another one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import block_diag, lapack
 
+from palpate.study.indenter import Indenter
 from palpate.study.protocol import Protocol
 
 TIMES = 0.8  # of the logarithm of time: fits of linear solids to power, logarithmic and stretched creep leave this
@@ -27,19 +36,59 @@ SINCE = 0.8  # of the logarithm of the time since the load turned
 SOONEST = 0.01  # of a segment, below which that time counts as one
 DROPPED = 1e-4  # of the variance, below which columns are left out
 
-Tests = tuple[Protocol, ...]
+
+@dataclass(frozen=True)
+class Indentation:
+    """What the discrepancy of a law depends on in a test.
+
+    Parameters
+    ----------
+    protocol
+        What is prescribed.
+    tip
+        Name of its tip among those of the study.
+    grows
+        Whether the slope of the tip at the edge of contact grows with the load.
+    level
+        Logarithm of that slope's cube; where it grows, less that of the load [mN] or displacement [nm].
+    """
+
+    protocol: Protocol
+    tip: str = ""
+    grows: bool = False
+    level: float = 0.0
+
+    @classmethod
+    def under(
+        cls, name: str, tip: Indenter, protocol: Protocol, tests: Sequence[Protocol], depths: Sequence[float]
+    ) -> Indentation:
+        """Return a test under a tip of this name, which reached depths (m,) [nm] in some tests."""
+        if tip.sharp:
+            return cls(protocol, name, level=3.0 * float(np.log(tip.slope)))
+        steepest = [np.sqrt(depth / tip.radius) if tip.radius else np.inf for depth in depths]
+        cubes = 3.0 * np.log(np.minimum(tip.slope, steepest)) - np.log([test.largest_drive for test in tests])
+        return cls(protocol, name, True, float(cubes.mean()))
+
+
+Tests = tuple[Indentation, ...]
 
 
 @lru_cache(maxsize=32)
-def common(tests: Tests, sharp: bool) -> np.ndarray:
+def common(tests: Tests) -> np.ndarray:
     """Return columns (n, m) of what histories determine."""
-    return correlation_factor(kernel(np.vstack([features(test, sharp) for test in tests])))
+    return correlation_factor(kernel(np.vstack([features(test) for test in tests])))
 
 
 @lru_cache(maxsize=32)
-def parts_of_tests(tests: Tests, sharp: bool) -> np.ndarray:
+def parts_of_tests(tests: Tests) -> np.ndarray:
     """Return columns (n, m) of the same within each test alone."""
-    return block_diag(*(correlation_factor(kernel(features(test, sharp))) for test in tests))
+    return block_diag(*(correlation_factor(kernel(features(test))) for test in tests))
+
+
+def by_tip(tests: Tests) -> Iterator[np.ndarray]:
+    """Yield which points (n,) belong to the tests of each tip."""
+    of_points = np.repeat([test.tip for test in tests], [len(test.protocol.sample_time) for test in tests])
+    yield from (of_points == tip for tip in dict.fromkeys(test.tip for test in tests))
 
 
 def crossovers(measure: np.ndarray, relative: np.ndarray) -> list[np.ndarray]:
@@ -72,7 +121,7 @@ def clocks(tests: Tests) -> np.ndarray:
     """Return columns (n, m) of a walk with the clock in each test that begins at zero."""
     found = []
     for test in tests:
-        time = test.sample_time / test.knot_time[-1]
+        time = test.protocol.sample_time / test.protocol.knot_time[-1]
         apart = np.subtract.outer(time, time) / CLOCK
         found.append(correlation_factor(np.outer(time, time) ** 0.5 * np.exp(-0.5 * apart**2)))
     return block_diag(*found)
@@ -83,7 +132,8 @@ def reversals(tests: Tests) -> np.ndarray:
     """Return columns (n, m) of what begins in each test at a corner of the load, and fades after it."""
     found = []
     for test in tests:
-        time, knots, correlation = test.sample_time, test.knot_time, np.zeros((len(test.sample_time),) * 2)
+        time, knots = test.protocol.sample_time, test.protocol.knot_time
+        correlation = np.zeros((len(time),) * 2)
         for before, corner, after in zip(knots[:-2], knots[1:-1], knots[2:], strict=True):
             since = np.maximum(time - corner, 0.0) / min(corner - before, after - corner)
             place, fades = np.log(since + SOONEST) / SINCE, np.where(time > corner, np.exp(-since), 0.0)
@@ -93,19 +143,19 @@ def reversals(tests: Tests) -> np.ndarray:
 
 
 @lru_cache(maxsize=32)
-def ripple(tests: Tests, sharp: bool) -> np.ndarray:
+def ripple(tests: Tests) -> np.ndarray:
     """Return the correlation (n, n) of what a mesh makes rough, by `features` that are `ROUGHER` times as short."""
-    return kernel(ROUGHER * np.vstack([features(test, sharp) for test in tests]))
+    return kernel(ROUGHER * np.vstack([features(test) for test in tests]))
 
 
-def features(protocol: Protocol, sharp: bool) -> np.ndarray:
+def features(test: Indentation) -> np.ndarray:
     """Return what the process depends on, (n_points, f), in units of the distances over which it forgets."""
-    time = protocol.sample_time
+    protocol, time = test.protocol, test.protocol.sample_time
     before = protocol.drive_at(np.outer(time, 1.0 - AGO).ravel()).reshape(len(time), -1)
     largest = _largest_so_far(protocol)
     history = np.sqrt(before / largest[:, None] / len(AGO))
-    lengths = np.zeros(len(time)) if sharp else np.log(largest) / LOADS
-    return np.column_stack([np.log(time) / TIMES, history / HISTORIES, lengths])
+    strain = test.level + (np.log(largest) if test.grows else np.zeros(len(time)))
+    return np.column_stack([np.log(time) / TIMES, history / HISTORIES, strain / LOADS])
 
 
 def _largest_so_far(protocol: Protocol) -> np.ndarray:

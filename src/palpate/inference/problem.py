@@ -20,6 +20,7 @@ from palpate.data.observation import Observation
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.bulk_likelihood import BulkLikelihood
+from palpate.inference.law_structure import Indentation
 from palpate.mechanisms import MECHANISMS, Scale
 from palpate.models.bulk_model import BulkModel
 from palpate.models.coordinates import Coordinate, Coordinates
@@ -29,6 +30,7 @@ from palpate.models.imprints import Imprint, imprints
 from palpate.observables.depth import DEPTH
 from palpate.solver.study_scale import scale_of
 from palpate.solver.variation import added_by_instrument, applied_to_body
+from palpate.study.indenter import Indenter
 
 Explanation = tuple[str, ...]
 
@@ -47,8 +49,8 @@ class Problem:
         The base model under the conditions that take part.
     scale
         Size of the study.
-    sharp
-        Whether neither tip nor body has a length, so that depth / sqrt(load) does not depend on the load.
+    tips
+        What presses, by the names of tips; one that is not among them is sharp.
     at : ndarray, shape (k,), optional
         Coordinates of the material at which effects on a load are taken, where a displacement is prescribed; by default
         the middle of the ranges.
@@ -62,7 +64,7 @@ class Problem:
     recorded: Mapping[str, Observation]
     forward: Forward
     scale: Scale
-    sharp: bool = True
+    tips: Mapping[str, Indenter] = field(default_factory=dict)
     at: np.ndarray | None = None
     bulk: BulkModel = field(default_factory=BulkModel)
     bulk_likelihood: BulkLikelihood = field(default_factory=BulkLikelihood)
@@ -75,7 +77,7 @@ class Problem:
         forward = FiniteElements.of(study, [c.name for c in conditions])
         bulk = BulkModel.of(study)
         likelihood = BulkLikelihood.of(bulk, forward.coordinates, study.calibration.law_error)
-        found = cls(conditions, recorded, forward, scale_of(study), study.indenter.sharp)
+        found = cls(conditions, recorded, forward, scale_of(study), {"": study.indenter, **study.tips})
         return replace(found, bulk=bulk, bulk_likelihood=likelihood, imprints=tuple(imprints(study)))
 
     def at_one_load(self, values: Mapping[str, float], report: Callable[[str], None]) -> Problem:
@@ -106,6 +108,20 @@ class Problem:
     def mean(self) -> np.ndarray:
         """Mean depth of all conditions (n_all,), one after the other [nm]."""
         return np.concatenate([self.observed[name].mean for name in self.names])
+
+    @cached_property
+    def indentations(self) -> tuple[Indentation, ...]:
+        """What the discrepancy of the law depends on under each condition that takes part."""
+        return tuple(self.indentation(condition) for condition in self.conditions)
+
+    def indentation(self, condition: Condition) -> Indentation:
+        """Return the same of a condition."""
+        tip = self.tips.get(condition.tip)
+        tests = [each for each in self.conditions if each.tip == condition.tip]
+        if tip is None or not tests:
+            return Indentation(condition.protocol, condition.tip, tip is not None and not tip.sharp)
+        depths = [float(self.observed[each.name].mean.max()) for each in tests]
+        return Indentation.under(condition.tip, tip, condition.protocol, [each.protocol for each in tests], depths)
 
     @property
     def shares(self) -> dict[str, float]:

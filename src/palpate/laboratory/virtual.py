@@ -113,7 +113,7 @@ def disturbed(
         Noise of the depth [nm].
     """
     protocol = replace(condition.protocol, sample_time=simulation.time)
-    quantity = Quantity.of(condition.observable, protocol, study.indenter, simulation.response)
+    quantity = Quantity.of(condition.observable, protocol, study.tip_of(condition), simulation.response)
     response = (1 + site * quantity.share) * simulation.response + noise / quantity.nm
     return condition.observable.recorded(protocol, simulation, response)
 

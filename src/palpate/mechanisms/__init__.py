@@ -1,6 +1,8 @@
 """Mechanisms of missing physics: every module of this folder that defines ``MECHANISM`` is found by itself."""
 
+import re
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import Any
 
 from indentation_files.discovery import discover
@@ -8,7 +10,33 @@ from palpate.errors import InputError, part_of
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale
 
-MECHANISMS: dict[str, Mechanism] = {found.key: found for found in discover(__name__, __path__, "MECHANISM")}
+OF_NAMED_TIP = re.compile(r"(\w+)\[([\w-]+)\]")
+
+
+class Library(dict[str, Mechanism]):
+    """Mechanisms by their keys. Those of the tip have keys ``KEY[NAME]``, too, for a tip that a study calls NAME."""
+
+    def __missing__(self, key: str) -> Mechanism:
+        """Return a mechanism of a named tip; raises `KeyError`."""
+        return _of_named_tip(key)
+
+    def __contains__(self, key: object) -> bool:
+        """Return whether there is a mechanism of this key."""
+        try:
+            return isinstance(key, str) and bool(self[key])
+        except KeyError:
+            return False
+
+
+MECHANISMS = Library({found.key: found for found in discover(__name__, __path__, "MECHANISM")})
+
+
+@cache
+def _of_named_tip(key: str) -> Mechanism:
+    found = OF_NAMED_TIP.fullmatch(key)
+    if found is None or found[1] not in [*MECHANISMS] or not MECHANISMS[found[1]].of_the_tip:
+        raise KeyError(key)
+    return MECHANISMS[found[1]].of_tip(found[2])
 
 
 def known(keys: Iterable[str], place: str) -> dict[str, Mechanism]:
@@ -23,10 +51,14 @@ def known(keys: Iterable[str], place: str) -> dict[str, Mechanism]:
     return found
 
 
-def considered(named: Iterable[str], place: str) -> dict[str, Mechanism]:
-    """Return the mechanisms that a study names at `place`; those that count by default where it names none."""
+def considered(named: Iterable[str], place: str, tips: Iterable[str] = ()) -> dict[str, Mechanism]:
+    """Return the mechanisms that a study names at `place`; those that count by default where it names none.
+
+    These hold those of the tip once for each of the study's named `tips`, too.
+    """
     every = {key: mechanism for key, mechanism in MECHANISMS.items() if mechanism.by_default}
-    return known(named, place) or every
+    of_tips = [f"{key}[{tip}]" for tip in tips for key, mechanism in every.items() if mechanism.of_the_tip]
+    return known(named, place) or every | {key: MECHANISMS[key] for key in of_tips}
 
 
 def breaking(*assumptions: Assumption) -> tuple[str, ...]:

@@ -29,6 +29,8 @@ class Scale:
         Largest depth [nm], largest load [mN], Young's modulus [GPa], longest test [s] and shortest loading [s].
     half_angle
         Nominal half-angle of the cone [deg]; 0 for a sphere.
+    half_angles
+        The same of the further tips of a study, by their names.
     pressure
         Mean contact pressure [GPa].
     stated
@@ -43,6 +45,7 @@ class Scale:
     half_angle: float
     pressure: float
     stated: Mapping[str, Mapping[str, Sequence[float]]] = field(default_factory=dict)
+    half_angles: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -148,6 +151,8 @@ class Mechanism:
         Whether the material's parameters can compensate its effect in tests that all reach the same load.
     of_the_tip
         Whether it belongs to the tip, so that a test with another tip is free of it.
+    tip
+        Name of the tip whose own it is, see `of_tip`; empty for the study's tip.
     remedy
         The test that measures its amplitude independently of the material, in words; empty where there is none.
     includes
@@ -178,6 +183,7 @@ class Mechanism:
     breaks: frozenset[Assumption] = frozenset()
     unidentifiable_at_one_load: bool = False
     of_the_tip: bool = False
+    tip: str = ""
     remedy: str = ""
     includes: tuple[str, ...] = ()
     by_default: bool = True
@@ -191,6 +197,25 @@ class Mechanism:
     def acts_on_body(self) -> bool:
         """Whether it changes what is simulated, not only what is recorded."""
         return self.simulate is not unchanged_specification
+
+    def of_tip(self, name: str) -> Mechanism:
+        """Return the same mechanism of another tip of a study, with amplitudes of its own: ``KEY[NAME]``."""
+        return replace(
+            self,
+            key=f"{self.key}[{name}]",
+            title=f"{self.title} of {name}",
+            family=f"{self.family}[{name}]",
+            plausible=lambda s: self.plausible(replace(s, half_angle=s.half_angles[name])),
+            tip=name,
+        )
+
+    def acts_under(self, tip: str) -> bool:
+        """Return whether it acts in tests with the tip of this name, which is empty for the study's own."""
+        return not self.of_the_tip or self.tip == tip
+
+    def applied(self, specification: Specification, values: Values) -> Specification:
+        """Return what is simulated with it; the same with a tip that is free of it."""
+        return self.simulate(specification, values) if self.acts_under(specification.tip) else specification
 
     def is_simulated_under(self, control: str) -> bool:
         """Return whether its effect changes the simulation of a test under this control.

@@ -110,9 +110,13 @@ def anchors_at(body: BodyModel, u: np.ndarray, level: Level = SEARCH) -> dict[st
     level
         Of the fast model.
     """
+    tips = body.study.by_tip(body.conditions).values()
+    if len(tips) > 1:
+        parts = [anchors_at(replace(body, conditions=conditions), u, level) for conditions in tips]
+        return {name: anchor for part in parts for name, anchor in part.items()}
     coarse = body.at(COARSE).possible(u)
     fast = coarse if level == COARSE else body.at(level).possible(u)
-    if of_revolution := body.study.indenter.of_revolution:
+    if of_revolution := all(body.study.tip_of(condition).of_revolution for condition in body.conditions):
         accurate = body.at(RECORD).possible(u)
         accurate |= body.under([name for name in coarse if name not in accurate]).possible(u)
     else:

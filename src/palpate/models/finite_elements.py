@@ -152,7 +152,7 @@ class FiniteElements:
         """
         if self.anchors:
             joined = [each for each in self.body.mechanisms if each not in self.anchors.mechanisms]
-            near = CLOSE if self.body.study.indenter.of_revolution else PYRAMID_NEAR if joined else PYRAMID_CLOSE
+            near = CLOSE if self.body.study.of_revolution else PYRAMID_NEAR if joined else PYRAMID_CLOSE
             if not any(mechanism.acts_on_body for mechanism in joined) and self._change(u) < near:
                 return self
         known = {name: each.richardson for name, each in self._anchor.items()}
@@ -161,7 +161,7 @@ class FiniteElements:
 
     def refined(self, u: np.ndarray) -> FiniteElements | None:
         """See `Forward`; None for a pyramid, where the edge of contact matters, and where it is refined already."""
-        if not self.anchors or self.anchors.refined or not self.body.study.indenter.of_revolution or self._at_edge(u):
+        if not self.anchors or self.anchors.refined or not self.body.study.of_revolution or self._at_edge(u):
             return None
         parts = richardson_at(self._under_others(()), u)
         if not parts.keys() >= {condition.name for condition in self.body.conditions}:
@@ -171,7 +171,7 @@ class FiniteElements:
 
     def extrapolated(self, u: np.ndarray) -> tuple[FiniteElements, Curves, Curves] | None:
         """See `Forward`; None for a pyramid, and where the anchors are consistent with finer meshes already."""
-        if not self.anchors or not self.body.study.indenter.of_revolution or not self._at_edge(u):
+        if not self.anchors or not self.body.study.of_revolution or not self._at_edge(u):
             return None
         if any(anchor.slope_correction is not None for anchor in self._anchor.values()):
             return None
@@ -220,8 +220,8 @@ class FiniteElements:
 
     def _at_edge(self, u: np.ndarray) -> bool:
         """Return whether derivatives on the usual mesh do not serve the body at coordinates u (k,)."""
-        solid = applied_to_body(self.specification(u, self.body.conditions[0]))
-        return solid.specimen.yields or solid.adhesion > 0.0 or solid.indenter.friction > 0.0
+        solids = [applied_to_body(self.specification(u, condition)) for condition in self.body.conditions]
+        return any(s.specimen.yields or s.adhesion > 0.0 or s.indenter.friction > 0.0 for s in solids)
 
     def _change(self, u: np.ndarray) -> float:
         """Return by how much the body's curves at coordinates u (k,) differ from those of the anchors [-]."""

@@ -33,7 +33,7 @@ def imprints(study: Study) -> Iterator[Imprint]:
         When a file is none, or the tip is a pyramid, whose imprint is no profile of revolution.
     """
     for evidence in (each for each in study.evidence if each.kind == IMPRINT):
-        if not study.indenter.of_revolution:
+        if not study.tip_of(study.condition(evidence.of)).of_revolution:
             raise InputError(
                 f"the imprint {evidence.name} is compared by its radius, but the tip is a pyramid",
                 remedy="leave it out, or use the equivalent cone",

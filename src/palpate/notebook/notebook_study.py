@@ -162,7 +162,8 @@ class NotebookStudy(Shown, Study):
 
     def __repr__(self) -> str:
         names = ", ".join(condition.name for condition in self.conditions)
-        return f"<Study {self.name!r}: {self.model} under {self.indenter.shape}, conditions {names}>"
+        tips = " and ".join(dict.fromkeys(tip.shape for tip in (self.indenter, *self.tips.values())))
+        return f"<Study {self.name!r}: {self.model} under {tips}, conditions {names}>"
 
 
 def study_of(given: Study | Mapping[str, Any] | str | Path) -> Study:

@@ -84,10 +84,11 @@ def labels(study: Study) -> dict[str, str]:
 
 
 def _label(condition: Condition) -> str:
-    """Return largest drive, duration of the loading and of a hold; the name where the load was recorded."""
+    """Return largest drive, durations of loading and hold, and a tip's name; the name where the load was recorded."""
     protocol = condition.protocol
     if condition.follows or condition.own_loads or not 3 <= len(protocol.knot_time) <= 4:
         return condition.name
     times = protocol.knot_time
     hold = f", hold {times[2] - times[1]:g} s" if len(times) == 4 and times[2] - times[1] > 0 else ""
-    return f"{protocol.largest_drive:g} {protocol.unit}, {times[1]:g} s{hold}"
+    tip = f", {condition.tip}" if condition.tip else ""
+    return f"{protocol.largest_drive:g} {protocol.unit}, {times[1]:g} s{hold}{tip}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from palpate.configuration.study_file import Study
 from palpate.study.indenter import Indenter
 
 SHAPES = {
@@ -11,6 +12,13 @@ SHAPES = {
     "berkovich": "Berkovich pyramid",
     "area_function": "tip of a measured area function",
 }
+
+
+def tips_in_words(study: Study) -> str:
+    """Return the study's tip in words, and those that conditions name."""
+    return "; ".join(
+        [tip_in_words(study.indenter), *(f"{name}: {tip_in_words(tip)}" for name, tip in study.tips.items())]
+    )
 
 
 def tip_in_words(tip: Indenter) -> str:

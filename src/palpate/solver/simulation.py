@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import InputError, PalpateError, part_of
-from palpate.mechanisms import checked_mechanisms
+from palpate.mechanisms import MECHANISMS, checked_mechanisms
 from palpate.observables import OBSERVABLES, response_to
 from palpate.solver.axisymmetric.discretisation import FEW_SECTORS, RESOLUTIONS, SAME
 from palpate.solver.axisymmetric.fields import Fields, Moment
@@ -52,6 +52,11 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
     protocol = values["protocol"]
     if not isinstance(protocol, Protocol):
         protocol = protocol_from(protocol)
+    mechanisms = checked_mechanisms(values.get("mechanisms"))
+    for key in [key for key in mechanisms if MECHANISMS[key].tip]:
+        raise InputError(
+            f"{key}: a single test has one tip", remedy="leave the brackets out", place=f"mechanisms.{key}"
+        )
     return Specification(
         str(model),
         material,
@@ -59,7 +64,7 @@ def specification_from(values: Mapping[str, Any]) -> Specification:
         protocol,
         kinematics=str(values.get("kinematics", KINEMATICS[0])),
         accuracy=str(values.get("accuracy", "standard")),
-        mechanisms=checked_mechanisms(values.get("mechanisms")),
+        mechanisms=mechanisms,
     )
 
 

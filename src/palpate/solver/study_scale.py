@@ -26,9 +26,10 @@ def middle(study: Study) -> dict[str, float]:
 
 
 def scale_of(study: Study) -> Scale:
-    """Return the size of the study, estimated from its middle material."""
-    cell = middle(study)
-    largest = max(study.calibrated, key=lambda condition: condition.protocol.largest_drive)
+    """Return the size of the study, estimated from its middle material: that of its tests with its own tip, if any."""
+    cell, tests = middle(study), study.by_tip(study.calibrated)
+    of_tip = tests.get("", study.calibrated)
+    largest = max(of_tip, key=lambda condition: condition.protocol.largest_drive)
     specification = of_equivalent_cone(study.specification(cell, largest))
     tip = specification.indenter
     radius = contact_range(specification.specimen, tip, largest.protocol)[1]
@@ -43,6 +44,7 @@ def scale_of(study: Study) -> Scale:
         half_angle=tip.half_angle,
         pressure=mean_pressure(specification.coefficients, slope, loaded_time(largest.protocol)),
         stated=study.diagnosis.ranges,
+        half_angles={name: tip.equivalent_cone.half_angle for name, tip in study.tips.items()},
     )
 
 

@@ -40,7 +40,7 @@ def applied_to_body(specification: Specification) -> Specification:
         When a mechanism cannot act on this material or indenter.
     """
     for key, values in specification.mechanisms.items():
-        specification = MECHANISMS[key].simulate(specification, values)
+        specification = MECHANISMS[key].applied(specification, values)
     if specification.protocol.control == DISPLACEMENT:
         for key, values in specification.mechanisms.items():
             protocol = through_instrument(specification.protocol, MECHANISMS[key], values)

@@ -47,6 +47,8 @@ class Specification:
         Length of the size effect [nm], see `palpate.study.specimen.Specimen.resistance`.
     adhesion
         Work that separates surface and tip [mJ/m^2].
+    tip
+        Name of the indenter among those of a study: effects of another tip do not act; empty for the study's own.
 
     Raises
     ------
@@ -65,6 +67,7 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
+    tip: str = ""
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

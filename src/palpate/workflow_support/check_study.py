@@ -100,7 +100,7 @@ def _check_recorded(study: Study, recorded: Mapping[str, list[Recording]]) -> No
     if study.calibration.objective == "relative":
         check_objective(study, resampled(study, recorded))
     if study.diagnosis.enabled and study.diagnosis.reference:
-        pressed = [condition.name for condition in study.calibrated if condition.observable.is_depth]
+        pressed = [each.name for each in study.calibrated if each.observable.is_depth and not each.tip]
         with part_of("diagnosis.reference"):
             law_of_reference([test for name in pressed for test in recorded[name]], study)
 
@@ -175,13 +175,13 @@ def _check_area(tip: AreaFunction) -> None:
 def check_same_model(study: Study, calibrated: Study) -> None:
     """Refuse the calibration of a study that simulates something else; raises `InputError`."""
     ours, theirs = (", ".join(sorted(each.levels)) for each in (study, calibrated))
-    here, there = ({c.name: _history(c.protocol) for c in each.conditions} for each in (study, calibrated))
+    here, there = ({c.name: (c.tip, *_history(c.protocol)) for c in each.conditions} for each in (study, calibrated))
     other = ", ".join(name for name in {**here, **there} if here.get(name) != there.get(name))
     for differs, what in (
         (ours != theirs, f"{theirs}, the study asks for {ours}"),
         (study.model != calibrated.model, f"the law {calibrated.model}"),
         (study.fixed != calibrated.fixed, "other values under material"),
-        (study.indenter != calibrated.indenter, "another indenter"),
+        (study.indenter != calibrated.indenter or study.tips != calibrated.tips, "another indenter"),
         (study.kinematics != calibrated.kinematics, f"{calibrated.kinematics} strains"),
         (here != there, f"other conditions: {other}"),
     ):

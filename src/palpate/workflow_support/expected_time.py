@@ -50,7 +50,7 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     mechanisms = len(candidates(study)) if study.diagnosis.enabled and study.recordings else 0
     explanations = sum(_diagnosis(study, cost, name) for name in study.recordings) if mechanisms else 0.0
     searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
-    pyramids = 0 if study.indenter.of_revolution else searches * PYRAMIDS * len(study.conditions)
+    pyramids = searches * PYRAMIDS * sum(not study.tip_of(each).of_revolution for each in study.conditions)
     accurate = cost * PYRAMID * pyramids
     jobs = [seconds for rule, seconds in OTHERS.items() if rule != "laboratory" or study.laboratory]
     others = sum(jobs) + SURROGATE * len(study.calibrated)

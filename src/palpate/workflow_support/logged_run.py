@@ -19,11 +19,20 @@ def log(client: Any, identity: str, run: Mapping[str, Any]) -> None:
 
     series = {key: list(enumerate(values)) for key, values in run["series"].items()}
     series |= {key: [(0, value)] for key, value in run["metrics"].items()}
-    metrics = [Metric(key, float(v), run["ended"], step) for key, values in series.items() for step, v in values]
+    metrics = [
+        Metric(_without_brackets(key), float(v), run["ended"], step)
+        for key, values in series.items()
+        for step, v in values
+    ]
     for part in _parts(metrics, 1000):
         client.log_batch(identity, metrics=part)
     for part in _parts([Param(key, str(value)) for key, value in run["params"].items()], 100):
         client.log_batch(identity, params=part)
+
+
+def _without_brackets(name: str) -> str:
+    """Return the name of a metric, in which MLflow allows no brackets: ``KEY.TIP.NAME`` for ``KEY[TIP].NAME``."""
+    return name.replace("[", ".").replace("]", "")
 
 
 def fill(client: Any, identity: str, run: Mapping[str, Any]) -> None:

@@ -63,47 +63,45 @@ class Proposal:
     def condition(self) -> dict[str, Any]:
         """Keys of its condition."""
         test = self.test
+        tip = {"indenter": self.tip} if self.tip else {}
         if "low_load" not in test:
-            return {"name": self.name} | {key: test[key] for key in TRAPEZOID} | {"role": "calibrate"}
+            return {"name": self.name} | {key: test[key] for key in TRAPEZOID} | tip | {"role": "calibrate"}
         rise, low, hold = test["loading_time"], test["low_load"], test["low_hold_time"]
         times = [rise, 1.9 * rise, 1.9 * rise + hold, 2.0 * rise + hold]
         return {"name": self.name, "times": times, "loads": [test["max_load"], low, low, 0.0], "role": "calibrate"}
 
     @property
-    def tip(self) -> dict[str, Any] | None:
-        """Keys of another tip; None for that of the study."""
+    def tip(self) -> dict[str, Any] | str | None:
+        """Keys of a tip that the study does not have, or the name of one that it has; None for its own."""
         size = {key: self.test[key] for key in ("radius", "half_angle") if key in self.test}
         if not size:
-            return None
+            return self.test.get("tip")
         kept = {
             key: self.values["indenter"][key]
             for key in ("friction", "modulus", "poisson_ratio")
             if key in self.values["indenter"]
         }
-        return {"shape": "sphere" if "radius" in size else "cone"} | size | kept
+        shape = "sphere" if "radius" in size else "cone"
+        name = f"sphere{1e-3 * size['radius']:g}" if "radius" in size else "berkovich"
+        return {"name": name, "shape": shape} | size | kept
 
     @property
     def recordings_folder(self) -> str:
-        """Where its recordings belong: beside the others, or in a folder of their own under another tip."""
+        """Where its recordings belong: beside the others, or with a copy of them where the workflow writes those."""
         if self.recordings in self.study.laboratory:
             return f"results/{self.study.name}_next/recordings/{self.recordings}"
-        if self.tip or written_by_workflow(self.study, self.recordings):
+        if written_by_workflow(self.study, self.recordings):
             return (self.folder / "recordings").as_posix()
         return self.study.recordings[self.recordings].as_posix()
 
     def next_study(self) -> dict[str, Any]:
-        """Return the keys of the study with the test: the same study, or one of the other tip alone."""
+        """Return the keys of the study with the test."""
         found = dict(self.values) | {"study": f"{self.study.name}_next"}
         found |= {"recordings": {self.recordings: self.recordings_folder}}
         if "laboratory" in found:
             found["laboratory"] = {key: each for key, each in found["laboratory"].items() if key == self.recordings}
         for key in ("source", "data", *(["laboratory"] if not found.get("laboratory") else [])):
             found.pop(key, None)
-        if self.tip:
-            found |= {"indenter": self.tip, "conditions": [self.condition]}
-            found.pop("condition_sets", None)
-            found["diagnosis"] = {k: v for k, v in found.get("diagnosis", {}).items() if k != "reference"}
-            return found
         found["conditions"] = [*found["conditions"], self.condition]
         if "all" in found.get("condition_sets", {}):
             found["condition_sets"] = {**found["condition_sets"], "all": [*found["condition_sets"]["all"], self.name]}
@@ -126,8 +124,7 @@ class Proposal:
         )
 
     def _steps(self) -> Iterator[str]:
-        tip = Indenter.from_mapping(self.tip) if self.tip else self.study.indenter
-        yield f"tip: {tip_in_words(tip)}{' - another one than before' if self.tip else ', the same as before'}"
+        yield f"tip: {self._tip_in_words()}"
         yield f"load: {'; '.join(self._segments())}"
         yield f"number: {REPLICATES} tests, at sites {APART:g} times the depth or more from each other and from edges"
         yield "instrument, sample and settings as before; let the drift settle first as before"
@@ -136,6 +133,14 @@ class Proposal:
             return
         files = ", ".join(f"{self.name}_{k + 1}.csv" for k in range(REPLICATES))
         yield f"recordings: {files} with the header {HEADER}, in {self.recordings_folder}"
+
+    def _tip_in_words(self) -> str:
+        if isinstance(self.tip, Mapping):
+            described = Indenter.from_mapping({key: value for key, value in self.tip.items() if key != "name"})
+            return f"{tip_in_words(described)} - another one than before"
+        if self.tip:
+            return f"{self.tip}, {tip_in_words(self.study.tips[self.tip])}, as before"
+        return f"{tip_in_words(self.study.indenter)}, the same as before"
 
     def _segments(self) -> Iterator[str]:
         """Yield each segment in words."""
@@ -158,13 +163,11 @@ class Proposal:
         Recordings that were converted from a vendor's file are copied, so that the new ones can join them.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
-        if self.recordings == self.study.source.get("recordings") and not self.tip:
+        if self.recordings == self.study.source.get("recordings"):
             Path(self.recordings_folder).mkdir(exist_ok=True)
             for file in recording_files(self.study.recordings[self.recordings]):
                 shutil.copyfile(file, Path(self.recordings_folder) / file.name)
-        head = (
-            f"# {self.study.name} with the test that method.txt describes, or of that test alone under another tip.\n"
-        )
+        head = f"# {self.study.name} with the test that method.txt describes.\n"
         dumped = yaml.safe_dump(
             self.next_study(), sort_keys=False, default_flow_style=None, width=110, allow_unicode=True
         )

@@ -17,7 +17,7 @@ from palpate.output.results.bulk_errors import bulk_metrics
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.imprint_errors import imprint_metrics
 from palpate.output.saved_set import SavedSet, labels
-from palpate.output.tip_words import tip_in_words
+from palpate.output.tip_words import tips_in_words
 from palpate.surrogate import PODRBF
 from palpate.workflow_support.result_files import checksum
 from palpate.workflow_support.run_records import (
@@ -154,7 +154,7 @@ def of_study(study: Study) -> dict[str, Any]:
         "law": law_of(study.model).title,
         "kernel": study.surrogate.kernel,
         "shape": study.surrogate.shape,
-        "tip": tip_in_words(study.indenter),
+        "tip": tips_in_words(study),
         "design": f"{study.design.kind}, {len(study.cells)} materials",
         "kinematics": study.kinematics,
         "seed": study.seed,

@@ -16,7 +16,7 @@ from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis, effect_sentence, quantity_in_words
 from palpate.output.results.imprint_errors import imprint_facts
 from palpate.output.saved_set import SavedSet
-from palpate.output.tip_words import tip_in_words
+from palpate.output.tip_words import tips_in_words
 
 SETTLED = 0.95  # probability from which nothing further is open
 MOST_FACTS = 2  # that the first screen names
@@ -52,8 +52,8 @@ class Answer:
 
     @property
     def tip(self) -> str:
-        """The tip in words."""
-        return tip_in_words(self.saved.study.indenter)
+        """The tips in words."""
+        return tips_in_words(self.saved.study)
 
     @property
     def tests(self) -> dict[str, int]:
