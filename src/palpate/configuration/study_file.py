@@ -13,6 +13,7 @@ import numpy as np
 from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
+from palpate.configuration.chosen_law import with_chosen_law
 from palpate.configuration.condition import Condition, conditions_of_entry
 from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
@@ -47,6 +48,9 @@ class Study:
         Name, title for people, and the YAML file.
     model
         Key of the constitutive law.
+    family, choice
+        Family of the material where recordings choose the law, and the content of `palpate.choice.choose.Choice` once
+        they have; before, the law is linear elasticity. Both are empty where the study states a law.
     fixed
         Material parameters that are not on the grid.
     levels
@@ -72,6 +76,8 @@ class Study:
     title: str
     file: Path
     model: str
+    family: str
+    choice: Mapping[str, Any]
     fixed: Mapping[str, float]
     levels: Mapping[str, tuple[float, ...]]
     design: Mapping[str, Any]
@@ -92,6 +98,11 @@ class Study:
     laboratory: Mapping[str, Mapping[str, Any]]
     source: Mapping[str, Any]
     source_tests: Callable[[], Mapping[str, list[VendorTest]]] = field(compare=False, repr=False)
+
+    @property
+    def law_is_open(self) -> bool:
+        """Whether recordings choose the law, and have not yet."""
+        return bool(self.family) and not self.choice
 
     @property
     def free_parameters(self) -> tuple[str, ...]:
@@ -194,6 +205,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         raise InputError(
             f"{values['study']!r} is reserved for other results", remedy="choose another name", place="study"
         )
+    values, family, choice = with_chosen_law(values)
     settings = with_defaults(values, schema)
     for section in ("diagnosis", "challenge"):
         known(settings[section]["mechanisms"], f"{section}.mechanisms")
@@ -222,6 +234,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         title=values.get("title", values["study"]),
         file=path,
         model=model,
+        family=family,
+        choice=choice,
         fixed=material,
         levels=levels,
         indenter=indenter,
