@@ -68,7 +68,7 @@ FAMILIES = {
         "bilinear_plasticity",
         (f"bilinear_plasticity+{SPECTRUM}", "drucker_prager", f"drucker_prager+{SPECTRUM}", "ludwik_plasticity"),
     ),
-    "gel": Family(SPECTRUM, ("elastic", f"nonlinear_burgers+{SPECTRUM}")),
+    "gel": Family(SPECTRUM, (f"nonlinear_burgers+{SPECTRUM}",), ("elastic",)),
 }
 
 
@@ -96,7 +96,9 @@ def start(base: Mapping[str, float], loading_time: float) -> dict[str, float]:
         "spectrum_coefficient": FAINT / base["youngs_modulus"],
         "spectrum_exponent": 0.0,
         "steady_coefficient": 0.0,
+        "steady_exponent": 0.0,
         "transient_coefficient": 0.0,
+        "transient_exponent": 0.0,
         "retardation_time": loading_time,
         **base,
     }
