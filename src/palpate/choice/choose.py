@@ -3,7 +3,8 @@
 1. The base law of the family is fitted, from the middle of its ranges and from places scattered over them.
 2. Every extension of it is judged at that optimum by one simulation (`palpate.choice.compared_laws`).
 3. The most promising ones are fitted from there, and those laws that do not contain the base law.
-4. The fitted law with the largest evidence is chosen; all of them count equally beforehand.
+4. The fitted law with the largest evidence is chosen; all of them count equally beforehand. Of laws whose evidence is
+   as large within what Laplace's approximation leaves, it is the one with the fewest parameters.
 
 The recordings are those of the calibrate conditions of the study's first set. Other sets of a study hold the same
 material, and share its surrogates.
@@ -20,7 +21,7 @@ from scipy.special import logsumexp
 
 from indentation_files.recording import Recording
 from palpate.base.threads import on_one_thread
-from palpate.choice.compared_laws import ComparedLaws, linear_residual
+from palpate.choice.compared_laws import ComparedLaws
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import check, resampled
@@ -39,6 +40,7 @@ LEAST_WIDTH, MOST_WIDTH = 0.1, 0.5  # of the guessed range, to either side of th
 WIDTH = 6.0  # standard deviations of the posterior to either side: the grid hardly adds to what the tests say
 NARROWER = 0.7  # factor on that width while the law refuses a corner
 ANSWER = 1.96  # standard deviations of the intervals, 95 %
+TIE = 0.5  # of log evidence; chosen: by so much the approximation errs where a parameter lies on its limit
 STATED = 0.1  # probability from which the answer of the runner-up is stated
 
 
@@ -139,8 +141,7 @@ def check_distinguishable(study: Study, recorded: Mapping[str, Sequence[Recordin
 
 def _base_fit(laws: ComparedLaws, law: str, report: Callable[[str], None]) -> tuple[ComparedLaws, Fit]:
     """Return the base law's fit, and the laws with what it says of the noise and of tests under loads of their own."""
-    problem = laws.problem(law)
-    middle = np.full(problem.material, 0.5)
+    problem, middle = laws.problem(law), laws.middle(law)
     brought = problem.at_one_load(problem.forward.coordinates.named(middle), report)
     laws = replace(laws, observed=brought.recorded)
     rng = np.random.default_rng([laws.study.seed, 2])
@@ -165,7 +166,7 @@ def _fitted(laws: ComparedLaws, promised: Judged, report: Callable[[str], None])
     """Return a law after its fit, from where it was judged and the middle of its ranges; as it was if that fails."""
     starts = [promised.fit.z] if promised.fit else []
     try:
-        fit = laws.weighed(laws.fit(promised.law, [*starts, np.full(laws.problem(promised.law).material, 0.5)]))
+        fit = laws.weighed(laws.fit(promised.law, [*starts, laws.middle(promised.law)]))
     except PalpateError as error:
         report(f"{promised.law} could not be fitted: {error}")
         return promised
@@ -179,17 +180,18 @@ def _content(study: Study, fitted: list[Judged], others: list[Judged]) -> dict[s
     counted = [each for each in fitted if each.fitted]
     evidence = np.array([each.log_evidence for each in counted])
     probability = dict(zip([each.law for each in counted], np.exp(evidence - logsumexp(evidence)), strict=True))
-    ranked = sorted(counted, key=lambda each: -each.log_evidence)
+    best = max(counted, key=lambda each: (each.log_evidence > evidence.max() - TIE, -_size(each), each.log_evidence))
+    ranked = [best, *sorted((e for e in counted if e is not best), key=lambda each: -each.log_evidence)]
     rows = [_row(each, probability.get(each.law)) for each in [*ranked, *(e for e in fitted if not e.fitted), *others]]
-    best, second = rows[0], rows[1] if len(ranked) > 1 else None
-    assert ranked[0].fit is not None
+    second = rows[1] if len(ranked) > 1 else None
+    assert best.fit is not None
     return {
         "study": study.name,
         "family": study.family,
         "recordings": next(iter(study.recordings)),
-        "law": best["law"],
-        "levels": levels_about(study, ranked[0].fit),
-        "probability": best["probability"],
+        "law": best.law,
+        "levels": levels_about(study, best.fit),
+        "probability": rows[0]["probability"],
         "runner_up": second if second and second["probability"] > STATED else None,
         "curves": sum(each.curves for each in [*fitted, *others]),
         "candidates": rows,
@@ -204,10 +206,10 @@ def _row(judged: Judged, probability: float | None) -> dict[str, Any]:
     row["curves"] = judged.curves
     if fit is None:
         return row
-    residual = _rms(fit.residual if judged.fitted else linear_residual(fit))
-    row |= {"log_evidence": judged.log_evidence, "residual_nm": residual}
-    row["residual_percent"] = 100.0 * residual / float(fit.problem.mean.max())
+    row["log_evidence"] = judged.log_evidence
     if judged.fitted:
+        residual = _rms(fit.residual)
+        row |= {"residual_nm": residual, "residual_percent": 100.0 * residual / float(fit.problem.mean.max())}
         row |= {"held_out_nm": _held_out(fit), "parameters": _parameters(fit)}
     return row
 
@@ -248,6 +250,11 @@ def levels_about(study: Study, fit: Fit) -> dict[str, list[float]]:
             away = NARROWER * away
             continue
         return levels
+
+
+def _size(judged: Judged) -> int:
+    """Return the number of free parameters of a law that was fitted."""
+    return len(judged.fit.z) if judged.fit else 0
 
 
 def _curves(fit: Fit) -> int:

@@ -62,6 +62,11 @@ class ComparedLaws:
         levels = {name: found.values for name, found in self.guessed[law].items()}
         return Problem.of(with_levels(self.study, law, levels), self.observed)
 
+    def middle(self, law: str) -> np.ndarray:
+        """Return the coordinates (k,) of the middle of a law's ranges on a linear scale: all its terms act."""
+        values = {name: float(np.mean(found.values)) for name, found in self.guessed[law].items()}
+        return self.problem(law).forward.coordinates.scaled(values)
+
     def fit(self, law: str, starts: Sequence[np.ndarray]) -> Fit:
         """Fit a law from coordinates (k,); raises `PalpateError` where it fails at all of them.
 
@@ -115,10 +120,3 @@ class ComparedLaws:
         if not problem.replicated and self.residual is not None:
             fitter.use_residual_as_noise(self.residual)
         return fitter
-
-
-def linear_residual(fit: Fit) -> np.ndarray:
-    """Return the residual (n_all,) [nm] after the best linear step of a law, with the prior of its parameters."""
-    precision = np.linalg.inv(fit.posterior)
-    step = np.linalg.solve(precision, fit.whiten(fit.tangent).T @ fit.white)
-    return fit.residual - fit.tangent @ step

@@ -173,8 +173,10 @@ def study_of(given: Study | Mapping[str, Any] | str | Path) -> Study:
     InputError
         Where it is none, or its recordings have not chosen the law yet.
     """
-    found = given if isinstance(given, Study) else None
-    found = found or (NotebookStudy.from_mapping(given) if isinstance(given, Mapping) else NotebookStudy.read(given))
+    if isinstance(given, Study):
+        found: Study = given
+    else:
+        found = NotebookStudy.from_mapping(given) if isinstance(given, Mapping) else NotebookStudy.read(given)
     if found.law_is_open:
         remedy = "run it from its folder first (palpate run), or state the law"
         raise InputError("the recordings have not chosen the law yet", remedy=remedy, place="material.model")

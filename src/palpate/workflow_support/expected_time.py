@@ -20,13 +20,14 @@ from indentation_files.recording_file import read_recording
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import files_of
 from palpate.diagnosis.candidates import candidates
+from palpate.materials.families import FAMILIES
 from palpate.solver.store import conditions_by_shape
 
 CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.09  # s of processor time of one curve of 100 points
 GEL = "gel"  # the family without a law that yields
 YIELDS = "yield_stress"  # the parameter of bodies that yield
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
-CHOICE = 260  # curves of one condition, until the law of a family is chosen
+CHOICE, APART = 400, 150  # curves of one condition until a law is chosen; more for each that is fitted in any case
 CALIBRATION = 160  # curves of one condition
 DIAGNOSIS = 280  # curves of one condition in any diagnosis
 EXPLANATION = 14  # further ones for each mechanism that is considered, with replicates
@@ -46,7 +47,7 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     """Yield the time that a study is expected to take on so many cores, and its parts."""
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
-    choice = _choice(cost, len(study.calibrated)) if study.law_is_open else 0.0
+    choice = _choice(study, cost)
     snapshots = cost * curves / cores
     sets = [_calibration(cost, len(members)) for members in study.condition_sets.values()]
     fits = len(study.recordings) * sum(sets)
@@ -81,7 +82,7 @@ def job_seconds(study: Study, batches: int) -> dict[str, float]:
     """
     cost = _cost_of_curve(study)
     return {
-        "choose_law": _choice(cost, len(study.calibrated)),
+        "choose_law": _choice(study, cost),
         "snapshots": cost * len(study.cells) * len(conditions_by_shape(study)) / max(batches, 1),
         "surrogate": SURROGATE,
         "calibration": _calibration(cost, len(study.calibrated)),
@@ -95,9 +96,12 @@ def _together(cost: float, conditions: int) -> float:
     return cost * (1.0 + FURTHER * (conditions - 1))
 
 
-def _choice(cost: float, conditions: int) -> float:
-    """Return the time until the law is chosen by so many conditions [s]."""
-    return START + CHOICE * _together(cost, conditions)
+def _choice(study: Study, cost: float) -> float:
+    """Return the time until the law is chosen [s], none where it is known."""
+    if not study.law_is_open:
+        return 0.0
+    curves = CHOICE + APART * len(FAMILIES[study.family].apart)
+    return START + curves * _together(cost, len(study.calibrated))
 
 
 def _calibration(cost: float, conditions: int) -> float:
