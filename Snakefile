@@ -10,6 +10,7 @@ if DEFAULT:
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/recordings.smk"
+include: "workflow/rules/law.smk"
 include: "workflow/rules/snapshots.smk"
 include: "workflow/rules/surrogates.smk"
 include: "workflow/rules/calibration.smk"

@@ -15,7 +15,7 @@ from palpate.workflow_support.runs_of_results import of_surrogate
 def main(snakemake):
     study, condition = job.study(snakemake), snakemake.wildcards.condition
     with tracked_runs(study.name, snakemake.output.record) as record:
-        contents = store.curves_under(snakemake.input, condition)
+        contents = store.curves_under(snakemake.input.snapshots, condition)
         model, parameters, curves, summary = steps.fit_surrogate(study, condition, contents)
         save(model, parameters, curves, snakemake.output.model)
         write_json(snakemake.output.summary, summary)

@@ -47,8 +47,10 @@ class LogHandler(LogHandlerBase):
             self.console.started(record.jobid, record.rule_name, record.rule_msg or record.rule_name, record.output)
         elif event == LogEvent.JOB_FINISHED:
             self.console.finished(record.job_id)
-        elif event == LogEvent.PROGRESS and record.done == record.total:
-            self.console.done()
+        elif event == LogEvent.PROGRESS:
+            self.console.counted(record.total)
+            if record.done == record.total:
+                self.console.done()
         elif event is None and str(record.msg).startswith(NOTHING_TO_DO):
             self.console.write(str(record.msg))
             self.console.done()

@@ -1,5 +1,6 @@
 """A first study from recordings: tests of one load history belong together, and the ranges hold what was pressed."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from palpate.draft import first_study
 from palpate.draft.grouping import grouped
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
-from palpate.draft.law_choice import chosen_law
+from palpate.draft.law_choice import chosen_law, family_of
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import Solid
 from palpate.errors import InputError
@@ -145,9 +146,10 @@ def test_what_is_no_polymer_is_drafted_as_a_metal_under_diamond(tmp_path, monkey
     replace(metal, depth=0.2 * metal.depth).write(tmp_path / "metal.csv")
     assert main(["draft", "metal.csv", "-o", "out"]) == 0
     study = load_study("out/study.yaml")
-    assert study.model == "bilinear_plasticity"
+    assert study.family == "glass" and study.law_is_open  # as hard for its modulus as no metal is
     assert (study.indenter.modulus, study.indenter.poisson_ratio) == (1141.0, 0.07)
-    low, high = study.levels["youngs_modulus"]
+    assert main(["draft", "metal.csv", "-o", "stated", "--law", "bilinear_plasticity"]) == 0
+    low, high = load_study("stated/study.yaml").levels["youngs_modulus"]
     assert low < 25 * MODULUS < high
     assert main(["draft", "metal.csv", "-o", "asked", "--law", "nonlinear_burgers"]) == 0
     assert "no polymer's; --law bilinear_plasticity" in capsys.readouterr().err
@@ -170,6 +172,17 @@ def test_a_test_without_unloading_is_drafted_too(tmp_path, monkeypatch):
     assert main(["draft", "loading.csv", "-o", "out", "--law", "bilinear_plasticity"]) == 0
     low, high = load_study("out/study.yaml").levels["youngs_modulus"]
     assert low < MODULUS < high
+
+
+def test_the_family_follows_from_stiffness_hardness_and_loss():
+    families = {
+        "polymer": Solid(1.4, 2.5, 0.13, 0.06, 0.25),
+        "metal": Solid(40.0, 200.0, 4.0, 0.001, 0.1),
+        "glass": Solid(50.0, 72.0, 9.0, 0.001, 0.6),
+        "gel": Solid(1e-5, 1e-5, 1e-6, 0.05, 0.8),
+        "": Solid(1.4, math.nan, math.nan, 0.06),  # nothing is unloaded
+    }
+    assert {family: family_of(solid) for family, solid in families.items()} == {family: family for family in families}
 
 
 def test_what_gives_all_work_back_is_elastic():

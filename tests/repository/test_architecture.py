@@ -13,7 +13,7 @@ REPOSITORY = Path(__file__).parents[2]
 SOURCE = REPOSITORY / "src"
 ROOMS = """
     errors base materials study observables mechanisms analytic design configuration data solver laboratory
-    models surrogate classical inference diagnosis output draft workflow_support notebook cli
+    models surrogate classical inference diagnosis output draft choice workflow_support notebook cli
 """.split()  # noqa: SIM905 - each may import those before it
 LEVEL = {name: k for k, name in enumerate(ROOMS)}
 FILES = sorted(SOURCE.rglob("*.py"))

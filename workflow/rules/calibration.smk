@@ -4,6 +4,7 @@ FURTHER = [name for name in STUDY.condition_sets if name != "all"]
 
 rule calibration:
     input:
+        law=LAW,
         recordings=lambda wildcards: files_of(STUDY, wildcards.recordings),
         surrogates=lambda wildcards: expand(
             f"{FOLDER}/surrogates/{{condition}}.npz",
@@ -34,7 +35,7 @@ rule calibration:
         settings=constant(STUDY.calibration),
         evidence=evidence(),
         seed=STUDY.seed,
-        curves=curves(STUDY.cells[0], None),
+        curves=first_curves,
         own_loads=OWN_LOADS,
         code=code("scripts/calibration.py"),
     message:

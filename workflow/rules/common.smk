@@ -5,6 +5,7 @@ import os
 import re
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 EXECUTION = os.environ.setdefault(
@@ -108,16 +109,51 @@ def accepted(function, *arguments):
         refuse(error)
 
 
-def curves(values, accuracy):
+def curves(study, values, accuracy):
     """Role and address of the simulated curve of every condition, for the parameters `values`."""
     return [
         (
             condition.name,
             condition.role,
-            store.address(STUDY.specification(values, condition, accuracy)),
+            store.address(study.specification(values, condition, accuracy)),
         )
-        for condition in STUDY.conditions
+        for condition in study.conditions
     ]
+
+
+def choice():
+    """The checksum of the law that recordings have chosen; none where the study states its law."""
+    if not STUDY.family:
+        return ""
+    return checksum(Path(checkpoints.choose_law.get().output[0]))
+
+
+@functools.cache
+def with_choice(of):
+    """The study with its law, as it is read once the choice of a checksum is in place."""
+    return read_study.__wrapped__() if of else STUDY
+
+
+@functools.cache
+def planned(of):
+    """The batches of snapshots by name, with the choice of a checksum."""
+    return {batch.name: batch for batch in store.plan(with_choice(of))}
+
+
+def chosen():
+    """The study with its law."""
+    return with_choice(choice())
+
+
+def batches():
+    """The batches of snapshots, by name."""
+    return planned(choice())
+
+
+def first_curves(wildcards):
+    """Role and address of each condition's curve for the first material of the grid."""
+    study = chosen()
+    return curves(study, study.cells[0], None)
 
 
 @functools.cache
@@ -165,14 +201,15 @@ if workflow.is_main_process:
         refuse(error)
     except OSError as error:
         refuse(of_system(error))
-BATCHES = {batch.name: batch for batch in store.plan(STUDY)}
+# Results that depend on a law that is chosen depend on this file.
+LAW = [f"{FOLDER}/law.json"] if STUDY.family else []
 CALIBRATED = [condition.name for condition in STUDY.calibrated]
 OWN_LOADS = [condition.name for condition in STUDY.conditions if condition.own_loads]
 if workflow.is_main_process:
     console.announce(
         console.Plan(
             Path(FOLDER),
-            job_seconds(STUDY, len(BATCHES)),
+            job_seconds(STUDY, len(store.plan(STUDY))),
             workflow.resource_settings.cores or 1,
             lambda: set(workflow.dag_settings.targets) <= {"all"},
         )
@@ -181,7 +218,7 @@ DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis.enabled else []
 
 
 wildcard_constraints:
-    batch="|".join(map(re.escape, BATCHES)),
+    batch="[^/]+" if STUDY.family else "|".join(map(re.escape, planned(""))),
     recordings="|".join(map(re.escape, STUDY.recordings)) or "none",
     condition="|".join(map(re.escape, CALIBRATED)),
     condition_set="|".join(map(re.escape, STUDY.condition_sets)),

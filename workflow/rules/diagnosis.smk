@@ -1,6 +1,7 @@
 # The diagnosis of each set of recordings; its search begins where calibration ended.
 rule diagnosis:
     input:
+        law=LAW,
         recordings=lambda wildcards: files_of(STUDY, wildcards.recordings),
         calibration=f"{FOLDER}/{{recordings}}/calibration.json",
         evidence=[str(each.file) for each in STUDY.evidence if each.role == "calibrate"],
@@ -23,7 +24,7 @@ rule diagnosis:
         settings=constant([STUDY.diagnosis, STUDY.calibration]),
         evidence=evidence("calibrate"),
         seed=STUDY.seed,
-        curves=curves(STUDY.cells[0], None),
+        curves=first_curves,
         own_loads=OWN_LOADS,
         code=code("scripts/diagnosis.py"),
     message:

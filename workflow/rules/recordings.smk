@@ -13,7 +13,7 @@ for laboratory, settings in STUDY.laboratory.items():
         params:
             laboratory=laboratory,
             settings=constant(settings),
-            curves=curves(settings.parameters, "fine"),
+            curves=curves(STUDY, settings.parameters, "fine"),
             code=code("scripts/laboratory.py"),
         message:
             f"recordings of the virtual laboratory {laboratory}"

@@ -1,5 +1,6 @@
 # Figures and the report, from saved results alone.
 RECORDS = [
+    *([f"{FOLDER}/tracking/law.json"] if STUDY.family else []),
     *expand(f"{FOLDER}/tracking/surrogates/{{name}}.json", name=CALIBRATED),
     *expand(
         f"{FOLDER}/tracking/{{recordings}}/calibrations/{{name}}.json",
@@ -10,6 +11,7 @@ RECORDS = [
     f"{FOLDER}/tracking/report.json",
 ]
 RESULTS = [
+    *LAW,
     f"{FOLDER}/snapshots.csv",
     *expand(
         f"{FOLDER}/surrogates/{{name}}.{{kind}}", name=CALIBRATED, kind=["npz", "json"]

@@ -1,5 +1,7 @@
 # One job for each batch: its file holds its curves. The store, a cache of all studies, keeps them one by one as well.
 rule snapshots:
+    input:
+        LAW,
     output:
         f"{FOLDER}/snapshots/{{batch}}.parquet",
     log:
@@ -12,16 +14,20 @@ rule snapshots:
         mem_mb=1000,
         runtime=60,
     params:
-        curves=lambda wildcards: BATCHES[wildcards.batch].identity,
+        curves=lambda wildcards: batches()[wildcards.batch].identity,
     message:
-        f"snapshots {{wildcards.batch}}, one of {len(BATCHES)} batches"
+        "snapshots {wildcards.batch}" + (
+            "" if STUDY.family else f", one of {len(planned(''))} batches"
+        )
     script:
         "../../scripts/snapshots.py"
 
 
 rule snapshot_index:
     input:
-        expand(f"{FOLDER}/snapshots/{{batch}}.parquet", batch=BATCHES),
+        lambda wildcards: expand(
+            f"{FOLDER}/snapshots/{{batch}}.parquet", batch=batches()
+        ),
     output:
         f"{FOLDER}/snapshots.csv",
     log:

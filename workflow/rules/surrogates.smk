@@ -1,9 +1,10 @@
 # One surrogate for each condition.
 rule surrogate:
     input:
-        lambda wildcards: [
+        law=LAW,
+        snapshots=lambda wildcards: [
             f"{FOLDER}/snapshots/{name}.parquet"
-            for name, batch in BATCHES.items()
+            for name, batch in batches().items()
             if wildcards.condition
             in [condition.name for condition in batch.conditions]
         ],
@@ -22,7 +23,7 @@ rule surrogate:
         runtime=60,
     params:
         settings=constant(STUDY.surrogate),
-        levels=STUDY.levels,
+        levels=lambda wildcards: chosen().levels,
         code=code("scripts/surrogate.py"),
     message:
         "surrogate of {wildcards.condition}"

@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     reading_arguments(parser)
     parser.add_argument(
-        "--law", type=_law, help="law of the material, such as burgers_plasticity (default: chosen from the tests)"
+        "--law", type=_law, help="law of the material, such as burgers_plasticity (default: chosen by the tests)"
     )
     parser.add_argument(
         "--sphere",

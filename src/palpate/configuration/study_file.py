@@ -14,6 +14,7 @@ from indentation_files.readers import VendorTest, read_source
 from palpate.base.parameters import Parameter
 from palpate.base.yaml_file import read_yaml
 from palpate.configuration.checked_file import check_contradictions, checked_file
+from palpate.configuration.chosen_law import with_chosen_law
 from palpate.configuration.condition import Condition, condition_sets_of, conditions_of_entry
 from palpate.configuration.further_evidence import EvidenceFile, evidence_from
 from palpate.configuration.levels import checked_levels
@@ -56,6 +57,9 @@ class Study:
         Name, title for people, and the YAML file.
     model
         Key of the constitutive law.
+    family, choice
+        Family of the material where recordings choose the law, and the content of `palpate.choice.choose.Choice` once
+        they have; before, the law is linear elasticity. Both are empty where the study states a law.
     fixed
         Material parameters that are not on the grid.
     levels
@@ -86,6 +90,8 @@ class Study:
     title: str
     file: Path
     model: str
+    family: str
+    choice: Mapping[str, Any]
     fixed: Mapping[str, float]
     levels: Mapping[str, tuple[float, ...]]
     design: Design
@@ -107,6 +113,11 @@ class Study:
     laboratory: Mapping[str, LaboratorySettings]
     source: Mapping[str, Any]
     source_tests: Callable[[], Mapping[str, list[VendorTest]]] = field(compare=False, repr=False)
+
+    @property
+    def law_is_open(self) -> bool:
+        """Whether recordings choose the law, and have not yet."""
+        return bool(self.family) and not self.choice
 
     @property
     def free_parameters(self) -> tuple[str, ...]:
@@ -223,15 +234,16 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
     given = checked_file(values)
     if given.study in SHARED:
         raise InputError(f"{given.study!r} is reserved for other results", remedy="choose another name", place="study")
+    given, family, choice = with_chosen_law(given)
     known(given.diagnosis.mechanisms, "diagnosis.mechanisms")
     known(given.challenge.mechanisms, "challenge.mechanisms")
     check_contradictions(given)
-    material = given.material.model_dump()
+    material = given.material.model_dump(exclude_none=True)
     with part_of("material"):
         model = law_of(material.pop("model")).key
     source = source_from(given, data if data is not None else given.data)
     tests = cache(lambda: read_source(source))
-    levels = checked_levels(model, material, given.parameters, given.design.kind)
+    levels = checked_levels(model, material, given.parameters or {}, given.design.kind)
     indenter, tips = indenters_of(given)
     check_tips(given, tips)
     recordings = recording_sets(given)
@@ -249,6 +261,8 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         title=given.title or given.study,
         file=path,
         model=model,
+        family=family,
+        choice=choice,
         fixed=material,
         levels=levels,
         indenter=indenter,

@@ -57,8 +57,11 @@ class MaterialSection(Described):
         "the law, or several joined by `+` in any order, such as `nonlinear_burgers+ludwik_plasticity`: their strains "
         "add. `burgers_plasticity` is `nonlinear_burgers+bilinear_plasticity`; a draft keeps only linear transient "
         "creep of it beside the yielding, and holds the other parameters of the creep constant. Laws that share a "
-        "parameter besides the elastic ones do not join",
-        accepted="a law below",
+        "parameter besides the elastic ones do not join. `auto` leaves [the choice](law_choice.md) to the recordings",
+        accepted="a law below, or `auto`",
+    )
+    family: Literal["polymer", "metal", "glass", "gel"] | None = key(
+        "laws among which recordings choose; with `model: auto` alone", None
     )
 
 
@@ -153,9 +156,10 @@ class StudyFile(Section):
     )
     seed: Whole = key("of all random numbers", 0, ge=0)
     material: MaterialSection = key("the law, and the parameters that are known, see below")
-    parameters: Annotated[dict[str, Numbers], Field(min_length=1)] = key(
+    parameters: Annotated[dict[str, Numbers], Field(min_length=1)] | None = key(
         "the other parameters of the law: levels of the grid of snapshots; a single level holds a parameter constant; "
-        "at least one parameter has several",
+        "at least one parameter has several; required, but for `model: auto`, with which they are left out",
+        None,
         accepted="list of numbers for each, rising or falling",
     )
     design: Design = key("how the simulated materials are distributed over the levels", Design())

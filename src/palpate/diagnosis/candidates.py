@@ -27,8 +27,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     Raises
     ------
     InputError
-        When the study names a mechanism that does not exist or cannot act, a range of a quantity that is not searched,
-        or too few draws.
+        When the study names a mechanism that does not exist or, beside a stated law, cannot act, a range of a quantity
+        that is not searched, or too few draws.
     """
     with located_in(study.file):
         return _candidates(study)
@@ -55,7 +55,7 @@ def _candidates(study: Study) -> dict[str, Mechanism]:
             for specification in specifications:
                 applied_to_body(replace(specification, mechanisms={key: values}))
         except InputError:
-            if study.diagnosis.mechanisms:
+            if study.diagnosis.mechanisms and not study.family:
                 raise
             continue
         found[key] = mechanism

@@ -10,6 +10,7 @@ import numpy as np
 
 from indentation_files.overwrite import rolled_back_on_error
 from indentation_files.recording import Recording, copies
+from palpate.configuration.chosen_law import AUTO
 from palpate.configuration.study_file import Study, load_study
 from palpate.data.study_recordings import check_given
 from palpate.draft.drafted import Drafted
@@ -17,7 +18,7 @@ from palpate.draft.grouping import Group, grouped, with_held_out_cycles
 from palpate.draft.guess_table import Guess, evaluated, guess_table
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
-from palpate.draft.law_choice import chosen_law
+from palpate.draft.law_choice import chosen_law, family_of
 from palpate.draft.prescribed_drive import Drive, cut_off
 from palpate.draft.remarks import on_held_out, on_stiffness, remarks_on
 from palpate.draft.solid import OF_GELS, POISSON_RATIO, Solid, check_unit
@@ -55,6 +56,8 @@ def write_study(
     report: Report,
     law: str | None,
     sphere: float | None,
+    *,
+    leave_open: bool = True,
 ) -> FirstStudy:
     """Write tests as replicates of the conditions that they are, and a study of them, and return it.
 
@@ -73,6 +76,9 @@ def write_study(
         Key of the constitutive law, or keys of several joined by ``+``; None to choose it from the tests.
     sphere
         Radius of a spherical tip [nm]; None for the files' own tip, or a Berkovich.
+    leave_open
+        Whether, where no law is given and the tests can tell laws from each other, the study leaves the choice among
+        those of a family to the recordings (`palpate.choice.choose`).
 
     Raises
     ------
@@ -91,7 +97,7 @@ def write_study(
     tests = _without_cut_off(tests, drive, report)
     while True:
         try:
-            return _drafted(tests, output, name, law, tip, drive)
+            return _drafted(tests, output, name, law, tip, drive, leave_open)
         except Unsound as unsound:
             report(_left_out(unsound.test, unsound.error))
             tests = [test for test in tests if test is not unsound.test]
@@ -136,7 +142,7 @@ def _sound(tests: Sequence[Drafted], check: Callable[[Drafted], object], report:
 
 
 def _drafted(
-    tests: Sequence[Drafted], output: Path, name: str, law: str | None, tip: KnownTip, drive: Drive
+    tests: Sequence[Drafted], output: Path, name: str, law: str | None, tip: KnownTip, drive: Drive, leave_open: bool
 ) -> FirstStudy:
     """Write a study of tests; raises `Unsound` with the test that keeps it from being sound."""
     recordings, facts = [test.recording for test in tests], [test.facts for test in tests]
@@ -148,7 +154,10 @@ def _drafted(
     used = tip.of_diamond if solid.stiff else tip
     groups = with_held_out_cycles(grouped(recordings, drive), drive)
     shortest = min(float(group.recordings[0].time[np.argmax(group.recordings[0].load)]) for group in groups)
-    guessed = ranges(chosen[0], solid, shortest)
+    family = family_of(solid) if leave_open and not law else ""
+    guessed = {} if family else ranges(chosen[0], solid, shortest)
+    if family:
+        chosen = f"{AUTO}, family: {family}", f"the recordings will choose among laws; {chosen[1]}"
     table = guess_table(chosen, used, drive, (ratio, stated.poisson_ratio is not None), guessed)
     remarks = [*remarks_on(tests, stated, tip, ratio), *on_held_out(groups)]
     folder = output / "recordings"

@@ -38,7 +38,7 @@ def guess_table(
     Parameters
     ----------
     law
-        Its key, and why it was chosen.
+        Its key, or how recordings choose it, and why.
     tip, drive
         What the files state, or the tests show.
     ratio
@@ -46,7 +46,7 @@ def guess_table(
     guessed
         Ranges of its parameters, and why.
     """
-    units = {parameter.name: parameter.unit for parameter in law_of(law[0]).declared({})}
+    units = {parameter.name: parameter.unit for parameter in law_of(law[0]).declared({})} if guessed else {}
     rows = [Guess("law", *law), Guess("drive", drive.control, drive.why), Guess("tip", _tip(tip), tip.why)]
     if "modulus" in tip.keys:
         rows.append(Guess("tip's modulus", f"{tip.keys['modulus']:g} GPa", "guess: diamond, as the solid is stiff"))

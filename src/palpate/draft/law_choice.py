@@ -1,4 +1,4 @@
-"""Which law a draft takes, chosen by how the tests load, creep in their holds and recover."""
+"""Which law a draft states, or which family of laws, by how the tests load, creep in their holds and recover."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ POLYMER, METAL, ELASTIC = "nonlinear_burgers", "bilinear_plasticity", "elastic"
 ALL_RETURNED = 0.97  # of the work of loading; chosen: what a clean elastic test gives back but for noise and friction
 SHOWN = 0.0005  # of the depth, that is no zero in per cent with one digit
 NO_CREEP = 0.01  # of the depth, in a hold
+BRITTLE = 0.06  # hardness over modulus; chosen: glasses and ceramics reach 0.07 to 0.13, hardened steels 0.04
 
 
 def chosen_law(solid: Solid) -> tuple[str, str]:
@@ -28,3 +29,14 @@ def chosen_law(solid: Solid) -> tuple[str, str]:
     creep = "" if math.isnan(solid.creep) else f"; the depth {grows} in the hold"
     lost = f"; unloading gives {solid.returned:.0%} of the work back" if solid.returned >= 0.0 else ""
     return POLYMER, f"no stiffer than a polymer{creep}{lost}"
+
+
+def family_of(solid: Solid) -> str:
+    """Return the family of laws among which recordings of a solid choose; empty where they cannot, or need not."""
+    if math.isnan(solid.returned):
+        return ""
+    if solid.stiff:
+        return "glass" if solid.hardness > BRITTLE * solid.modulus else "metal"
+    if chosen_law(solid)[0] == ELASTIC:
+        return ""
+    return "gel" if solid.soft else "polymer"

@@ -20,6 +20,10 @@ from palpate.draft.known_tip import KnownTip
 from palpate.materials import law_of
 from palpate.materials.first_guess import Guessed
 
+LEFT_OPEN = (
+    "# results/NAME/law.json will hold the law that is chosen, and ranges of its parameters;",
+    "# palpate draft --law states one instead, such as burgers_plasticity: see docs/laws.md",
+)
 WIDTH = 116  # of a comment, without its sign
 STUDY = Template("""\
 # A first study, drafted from recordings. Correct what is marked `guess` where you know better.
@@ -30,10 +34,7 @@ cells_per_job: 64      # materials that one job simulates
 
 # law: $why
 $material
-# ranges of plausible values; an estimate may lie outside, and the report then says so
-parameters:
 $parameters
-design: {kind: sobol, points: $points}
 
 # drive, which is what the instrument prescribes: $drive
 $indenter
@@ -82,8 +83,7 @@ def study_text(
         name=scalar(name),
         why=rows["law"].why,
         material=_row(f"material: {{model: {law}, poisson_ratio: {ratio.value}}}", ratio.why),
-        parameters="\n".join(_parameters(law, guessed, rows)),
-        points=points_for(guessed),
+        parameters="\n".join(_parameters(law, guessed, rows) if guessed else LEFT_OPEN),
         drive=rows["drive"].why,
         indenter=_row(f"indenter: {{{_keys(tip.keys)}}}", tip.why),
         conditions="\n".join(_conditions(groups)),
@@ -117,12 +117,15 @@ def printable(text: str) -> str:
 
 
 def _parameters(law: str, guessed: Mapping[str, Guessed], rows: Mapping[str, Guess]) -> Iterator[str]:
-    """Yield one line a parameter: its range, its unit, and the reason."""
+    """Yield one line a parameter, its range, its unit, and the reason; and the number of materials in these ranges."""
+    yield "# ranges of plausible values; an estimate may lie outside, and the report then says so"
+    yield "parameters:"
     units = {parameter.name: parameter.unit for parameter in law_of(law).declared({})}
     for key, (values, _) in guessed.items():
         shown = ", ".join(f"{value:.4g}" for value in values)
         unit = units[key] if len(values) > 1 else f"{units[key]}, constant"
         yield _row(f"  {key}: [{shown}]", f"{unit}; {rows[key].why}")
+    yield f"design: {{kind: sobol, points: {points_for(guessed)}}}"
 
 
 def _conditions(groups: Sequence[Group]) -> Iterator[str]:

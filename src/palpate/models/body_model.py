@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,13 @@ NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives 
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 
 
+@dataclass(eq=False)
+class Spent:
+    """Number of curves that were simulated of a body, at all levels; derivatives come with a curve."""
+
+    curves: int = 0
+
+
 @dataclass(frozen=True, eq=False)
 class BodyModel:
     """The body under some conditions of a study.
@@ -40,6 +47,8 @@ class BodyModel:
         Size of the study, in which their amplitudes are searched for.
     level
         How closely it is simulated, see `at`.
+    spent
+        What was simulated so far, of this model and of all that were made of it.
     """
 
     study: Study
@@ -48,6 +57,7 @@ class BodyModel:
     mechanisms: Sequence[Mechanism] = ()
     scale: Scale | None = None
     level: Level = STUDY
+    spent: Spent = field(default_factory=Spent)
 
     def at(self, level: Level, all_samples: Collection[str] = ()) -> BodyModel:
         """Return the same at a level of fidelity; under the conditions of some names with all samples."""
@@ -86,6 +96,7 @@ class BodyModel:
         """
 
         def simulated(some: Sequence[np.ndarray]) -> list[Simulation]:
+            self.spent.curves += len(some) * len(self.conditions)
             return simulate_batch([b for u in some for b in self._bodies(u)], few_sectors=self.level.few_sectors)
 
         return [
@@ -103,6 +114,7 @@ class BodyModel:
                 steps = np.where(u + NEAR <= largest, NEAR, -NEAR)
                 moved = zip(*(self._bodies(place) for place in u + np.diag(steps)), strict=True)
                 rows += [list(map(Variation, column, steps)) for column in moved]
+            self.spent.curves += len(some) * len(self.conditions)
             bodies = [body for u in some for body in self._bodies(u)]
             return differentiated(bodies, rows, few_sectors=self.level.few_sectors)
 

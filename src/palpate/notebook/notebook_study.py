@@ -116,7 +116,7 @@ class NotebookStudy(Shown, Study):
         drafted += [_drafted(each) for each in given if not isinstance(each, Path)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else _origin(given[0]))
-        found = write_study(drafted, output, name, reported, law, radius)
+        found = write_study(drafted, output, name, reported, law, radius, leave_open=False)
         return cls.of(found.study, [*messages, *found.remarks])
 
     def sentences(self) -> list[str]:
@@ -167,10 +167,21 @@ class NotebookStudy(Shown, Study):
 
 
 def study_of(given: Study | Mapping[str, Any] | str | Path) -> Study:
-    """Return the study that is meant by a study, a mapping or a YAML file; raises `InputError` where it is none."""
+    """Return the study that is meant by a study, a mapping or a YAML file.
+
+    Raises
+    ------
+    InputError
+        Where it is none, or its recordings have not chosen the law yet.
+    """
     if isinstance(given, Study):
-        return given
-    return NotebookStudy.from_mapping(given) if isinstance(given, Mapping) else NotebookStudy.read(given)
+        found: Study = given
+    else:
+        found = NotebookStudy.from_mapping(given) if isinstance(given, Mapping) else NotebookStudy.read(given)
+    if found.law_is_open:
+        remedy = "run it from its folder first (palpate run), or state the law"
+        raise InputError("the recordings have not chosen the law yet", remedy=remedy, place="material.model")
+    return found
 
 
 def _drafted(given: OneTest) -> Drafted:

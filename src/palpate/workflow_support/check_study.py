@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from indentation_files.recording import Recording
+from palpate.choice.choose import check_distinguishable
 from palpate.configuration.study_file import Study
 from palpate.data.bulk_tests import bulk_tests
 from palpate.data.measures import check_measurable
@@ -50,10 +51,12 @@ def checked(study: Study, look: Look | None = None) -> Study:
         check_calibration(study)
         list(bulk_tests(study))
         list(imprints(study))
-        if study.diagnosis.enabled:
+        if study.diagnosis.enabled and not study.law_is_open:
             check_diagnosis(study)
-        for recorded in check_given(study, look):
+        for k, recorded in enumerate(check_given(study, look)):
             _check_recorded(study, recorded)
+            if study.family and k == 0:
+                check_distinguishable(study, recorded)
     return study
 
 

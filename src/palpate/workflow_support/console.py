@@ -17,6 +17,7 @@ from palpate.base.rounding import rounded
 from palpate.inference.calibration_result import MOST_MISFIT
 from palpate.output.results.bulk_errors import bulk_sentences
 from palpate.output.results.imprint_errors import imprint_sentences
+from palpate.output.results.law_candidates import choice_sentences
 from palpate.workflow_support.expected_time import COMPILING, time_in_words
 from palpate.workflow_support.result_files import read_json
 
@@ -67,6 +68,7 @@ class Console:
     stream: TextIO
     began: float = field(default_factory=time.monotonic)
     jobs: dict[str, int] = field(default_factory=dict)
+    total: int = 0
     running: dict[int, tuple[str, str, Sequence[str]]] = field(default_factory=dict)
     ended: list[str] = field(default_factory=list)
     worst: tuple[float, str] = (0.0, "")
@@ -79,8 +81,8 @@ class Console:
 
     def planned(self, jobs: Mapping[str, int]) -> None:
         """Take the number of jobs of each rule."""
-        self.jobs, self.began = dict(jobs), time.monotonic()
-        self.write(f"{sum(self.jobs.values())} jobs, about {time_in_words(self._left())}{self._compiling()}")
+        self.jobs, self.total, self.began = dict(jobs), sum(jobs.values()), time.monotonic()
+        self.write(f"{self.total} jobs, about {time_in_words(self._left())}{self._compiling()}")
 
     def started(self, job: int, rule: str, message: str, outputs: Sequence[str]) -> None:
         """Take a job that begins: its rule, the message that people read, and the outputs of which is learnt."""
@@ -94,6 +96,10 @@ class Console:
         for line in self._learnt(rule, outputs):
             self.write(line)
         self._show(message)
+
+    def counted(self, total: int) -> None:
+        """Take the number of all jobs, which grows where a choice decides on further ones."""
+        self.total = max(self.total, total)
 
     def done(self) -> None:
         """Show the answer of each set of recordings, where all of a study was asked for."""
@@ -118,12 +124,11 @@ class Console:
 
     def _show(self, ended: str = "") -> None:
         """Write the line on the progress: over the former one, or of the job that ended where there is no terminal."""
-        total = sum(self.jobs.values())
-        if not total or (not self._terminal and not ended):
+        if not self.total or (not self._terminal and not ended):
             return
-        left = f", about {time_in_words(self._left())} left" if len(self.ended) < total else ""
+        left = f", about {time_in_words(self._left())} left" if len(self.ended) < self.total else ""
         doing = "; ".join(message for _, message, _ in self.running.values()) if self._terminal else ended
-        line = f"{len(self.ended)} of {total} jobs{left}: {doing}{self._compiling()}"
+        line = f"{len(self.ended)} of {self.total} jobs{left}: {doing}{self._compiling()}"
         if self._terminal:
             width = os.get_terminal_size(self.stream.fileno()).columns
             self.stream.write(f"{self._cleared()}{line[: width - 1]}")
@@ -158,7 +163,9 @@ class Console:
         """Yield what the results of a job show."""
         results = [Path(file) for file in outputs if file.endswith(".json") and "/tracking/" not in file]
         for file in results:
-            if rule == "surrogate":
+            if rule == "choose_law":
+                yield choice_sentences(read_json(file))
+            elif rule == "surrogate":
                 found = read_json(file)
                 self.worst = max(self.worst, (found[f"loo_rmse_{found['unit']}"], f"{found['unit']}, {file.stem}"))
                 if self.ended.count(rule) == self.jobs.get(rule):

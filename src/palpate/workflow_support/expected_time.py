@@ -20,11 +20,14 @@ from indentation_files.recording_file import read_recording
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import files_of
 from palpate.diagnosis.candidates import candidates
+from palpate.materials.families import FAMILIES
 from palpate.solver.store import conditions_by_shape
 
 CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.09  # s of processor time of one curve of 100 points
+GEL = "gel"  # the family without a law that yields
 YIELDS = "yield_stress"  # the parameter of bodies that yield
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
+CHOICE, APART = 400, 150  # curves of one condition until a law is chosen; more for each that is fitted in any case
 CALIBRATION = 160  # curves of one condition
 DIAGNOSIS = 280  # curves of one condition in any diagnosis
 EXPLANATION = 14  # further ones for each mechanism that is considered, with replicates
@@ -44,6 +47,7 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     """Yield the time that a study is expected to take on so many cores, and its parts."""
     curves = len(study.cells) * len(conditions_by_shape(study))
     cost = _cost_of_curve(study)
+    choice = _choice(study, cost)
     snapshots = cost * curves / cores
     sets = [_calibration(cost, len(members)) for members in study.condition_sets.values()]
     fits = len(study.recordings) * sum(sets)
@@ -54,8 +58,9 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     accurate = cost * PYRAMID * pyramids
     jobs = [seconds for rule, seconds in OTHERS.items() if rule != "laboratory" or study.laboratory]
     others = sum(jobs) + SURROGATE * len(study.calibrated)
-    total = snapshots + fits + explanations + accurate + others
-    parts = [f"{curves} snapshots {time_in_words(snapshots)}"]
+    total = choice + snapshots + fits + explanations + accurate + others
+    parts = [f"choice of the law {time_in_words(choice)}"] if choice else []
+    parts += [f"{curves} snapshots {time_in_words(snapshots)}"]
     parts += [f"calibration {time_in_words(fits)}"] if study.recordings else []
     parts += [f"diagnosis of {mechanisms} mechanisms {time_in_words(explanations)}"] if mechanisms else []
     parts += [f"up to {pyramids} curves of the pyramid {time_in_words(accurate)}"] if pyramids else []
@@ -77,6 +82,7 @@ def job_seconds(study: Study, batches: int) -> dict[str, float]:
     """
     cost = _cost_of_curve(study)
     return {
+        "choose_law": _choice(study, cost),
         "snapshots": cost * len(study.cells) * len(conditions_by_shape(study)) / max(batches, 1),
         "surrogate": SURROGATE,
         "calibration": _calibration(cost, len(study.calibrated)),
@@ -88,6 +94,14 @@ def job_seconds(study: Study, batches: int) -> dict[str, float]:
 def _together(cost: float, conditions: int) -> float:
     """Return the time of one curve of each condition [s], as conditions are solved together."""
     return cost * (1.0 + FURTHER * (conditions - 1))
+
+
+def _choice(study: Study, cost: float) -> float:
+    """Return the time until the law is chosen [s], none where it is known."""
+    if not study.law_is_open:
+        return 0.0
+    curves = CHOICE + APART * len(FAMILIES[study.family].apart)
+    return START + curves * _together(cost, len(study.calibrated))
 
 
 def _calibration(cost: float, conditions: int) -> float:
@@ -119,12 +133,13 @@ def _left_imprint(file: Path) -> bool:
 
 def _is_elastic(study: Study) -> bool:
     """Return whether a study's law has no parameters but those of elasticity."""
-    return len(study.declared) <= 2
+    return len(study.declared) <= 2 and not study.law_is_open
 
 
 def _cost_of_curve(study: Study, yields: bool = False) -> float:
     """Return the processor time of one curve of a study [s], with a mechanism by which the body `yields`."""
-    cost = PLASTIC if yields or YIELDS in study.declared else ELASTIC if _is_elastic(study) else CREEP
+    yields = yields or YIELDS in study.declared or (study.law_is_open and study.family != GEL)
+    cost = PLASTIC if yields else ELASTIC if _is_elastic(study) else CREEP
     corners = max(len(condition.protocol.knot_time) for condition in study.conditions) - 4
     return cost * study.points / 100 * (1.0 + CORNERS * max(corners, 0))
 

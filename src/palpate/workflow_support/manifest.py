@@ -45,6 +45,8 @@ def files(study: Study, folder: Path) -> Iterator[Path]:
     """Yield the recordings of a study, its vendor's file, and the results that its report shows."""
     if study.source:
         yield from with_stiffness(Path(study.source["file"]))
+    if study.family:
+        yield folder / "law.json"
     yield folder / "snapshots.csv"
     yield from recordings(study)
     yield from (evidence.file for evidence in study.evidence)

@@ -19,6 +19,7 @@ inclusion.MECHANISM       probability that it acts; family_inclusion.FAMILY that
 nothing_further           probability that nothing further acts
 uniaxial.TEST.rmse_GPa    root mean square error of a test of the bulk, or rmse_strain; percent_error, within_band
 imprint.NAME.rmse_nm      root mean square error of a residual profile, and percent_error of its depth
+law_probability           of the law that recordings chose, among those of its family; curves: simulated to choose it
 discrepancy               standard deviation of the law's discrepancy, as a share of the depth
 ========================  ==============================================================================================
 """
@@ -54,7 +55,7 @@ class Run:
     Parameters
     ----------
     name, kind
-        ``kind`` is ``surrogate``, ``calibration``, ``diagnosis``, ``explanation`` or ``recordings``.
+        ``kind`` is ``law``, ``surrogate``, ``calibration``, ``diagnosis``, ``explanation`` or ``recordings``.
     tags, params, metrics
     series
         Metrics with steps 0, 1, ...

@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from palpate.configuration.study_file import Study
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS
@@ -32,6 +34,30 @@ from palpate.workflow_support.run_records import (
 )
 
 DIGITS = 4  # of the numbers that people compare in a table
+
+
+def of_choice(study: Study, choice: Mapping[str, Any], file: str | Path) -> Run:
+    """Return the run of the choice of the law: every law that was compared, and what it took."""
+    title = law_of(choice["law"]).title
+    best = choice["candidates"][0]
+    names = ("probability", "log_evidence", "residual_nm", "residual_percent", "held_out_nm")
+    metrics = {name: float(best[name]) for name in names if best[name] is not None}
+    compared = pd.DataFrame(choice["candidates"]).drop(columns="parameters")
+    return Run(
+        f"choice of the law - {title}",
+        "law",
+        {"recordings": choice["recordings"]},
+        {"law": title, "family": study.family, "runner_up": runner_up(choice), "seed": study.seed},
+        metrics | {"law_probability": metrics.pop("probability"), "curves": float(choice["curves"])},
+        files=[str(file)],
+        tables={"candidates.csv": compared.to_csv(index=False)},
+    )
+
+
+def runner_up(choice: Mapping[str, Any]) -> str:
+    """Return the law that comes second and its probability, in words."""
+    second = choice["runner_up"]
+    return f"{law_of(second['law']).title}, {second['probability']:.2g}" if second else "none"
 
 
 def of_surrogate(study: Study, condition: str, model: PODRBF, summary: Mapping[str, Any]) -> Run:
@@ -119,6 +145,7 @@ def _of_set(found: Answer, folder: Path) -> Run:
     metrics = {entry["name"]: entry["estimate"] for entry in found.parameters}
     metrics |= {effect["name"]: effect["estimate"] for effect in found.effects}
     metrics |= _of_diagnosis(content) if saved.diagnosis else errors_of_base(found.calibration.content)
+    metrics |= {"law_probability": study.choice["probability"]} if study.choice else {}
     metrics |= {"chi2_per_dof": found.calibration.content["misfit_ratio"]} | _worst(saved)
     if saved.accepted:
         metrics |= {"probability": saved.accepted[0]["probability"], "log_evidence": saved.accepted[0]["log_evidence"]}
@@ -149,8 +176,9 @@ def _dataset(saved: SavedSet) -> dict[str, str]:
 
 
 def of_study(study: Study) -> dict[str, Any]:
-    """Return by what studies are compared: law, tip, kernel, design, seed."""
-    return {
+    """Return by what studies are compared: law, tip, kernel, design, seed; of a chosen law its runner-up."""
+    chosen = {"family": study.family, "runner_up": runner_up(study.choice)} if study.choice else {}
+    return chosen | {
         "law": law_of(study.model).title,
         "kernel": study.surrogate.kernel,
         "shape": study.surrogate.shape,

@@ -9,6 +9,7 @@ from palpate.base.parameters import in_words
 from palpate.base.rounding import interval_of, rounded, unit_html
 from palpate.output.html_report import definitions, paragraph
 from palpate.output.results.answer import Answer
+from palpate.output.results.law_candidates import choice_sentences
 
 
 def answer(found: Answer) -> str:
@@ -24,6 +25,7 @@ def answer(found: Answer) -> str:
             f"<h2>{html.escape(found.headline)}</h2>",
             f'<ul class="effects">{effects}</ul>' if effects else "",
             paragraph(found.sentence),
+            *([paragraph(choice_sentences(choice))] if (choice := found.saved.study.choice) else []),
             f'<div class="two"><div>{parameters(found)}</div><div>{definitions(dict(found.facts()))}</div></div>',
             "</section>",
         ]

@@ -15,6 +15,7 @@ from palpate.output.report import first_screen
 from palpate.output.report.plot_data import plot_data
 from palpate.output.report.sections import sections
 from palpate.output.results.answer import Answer
+from palpate.output.results.law_candidates import UNDER, choice_sentences, choice_table
 from palpate.output.saved_set import SavedSet
 
 HERE = Path(__file__).parent
@@ -23,8 +24,9 @@ Drawn = Callable[[str, SavedSet | None], str]  # a figure by name, of a set or o
 
 
 def report_json(study: Study, sets: Sequence[SavedSet], made_from: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the content of ``report.json``: the answers, versions and seed."""
-    return {
+    """Return the content of ``report.json``: the answers, versions, seed, and the laws compared, if any."""
+    chosen = {"law_choice": study.choice} if study.choice else {}
+    return chosen | {
         "study": study.name,
         "sets": [Answer(saved).to_mapping() for saved in sets],
         "versions": {"python": made_from["python"], **made_from["libraries"], "commit": made_from["git_commit"]},
@@ -70,6 +72,9 @@ def write(
             below.append((f"{prefix}answer", f"{found.saved.name}-answer", [first_screen.answer(found)]))
         for heading, pieces in sections(found, lambda name, saved=found.saved: drawn(name, saved)):  # type: ignore[misc]
             below.append((prefix + heading, f"{found.saved.name}-{heading}".replace(" ", "-").lower(), pieces))
+    if study.choice:
+        compared = [table(choice_table(study.choice)), paragraph(UNDER, "soft")]
+        below.append(("Choice of the law", "law", [paragraph(choice_sentences(study.choice)), *compared]))
     below.append(("How the result was computed", "computed", _computed(study, answers, drawn, snapshots, made_from)))
     contents = "".join(f'<li><a href="#{key}">{html.escape(heading)}</a></li>' for heading, key, _ in below)
     body = [*top, f'<nav aria-label="Contents"><h2>Contents</h2><ol>{contents}</ol></nav>']

@@ -1,0 +1,1 @@
+"""The choice of the constitutive law of a study by its recordings."""

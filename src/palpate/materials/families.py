@@ -1,0 +1,104 @@
+r"""Families of materials: the law by which the choice among laws begins, and the laws that are compared with it.
+
+The base law of a family has few parameters. Most others contain it, at neutral values of their further parameters, and
+`start` gives these. Eyring flow has no such limit within usual values. It begins where its flow stress at the strain
+rate of the tests is the yield stress,
+
+$$\sigma_Y = \sigma_0 \ln(2 \dot\varepsilon / r_0).$$
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+USUAL_RATE = 1e-6  # 1/s, r_0 of the guesses, in the middle of their logarithm
+STRAIN = 0.1  # under a Berkovich tip, about that of Tabor: over the time of loading it gives the strain rate
+SATURATION = 0.3  # saturation strain, beyond the strains under the tip: hardening is about linear below
+FAINT = 0.01  # compliance of creep beside the elastic one, that is none
+
+
+@dataclass(frozen=True)
+class Family:
+    """Laws among which tests choose.
+
+    Parameters
+    ----------
+    base
+        Key of the law that is fitted first, parts joined by ``+``.
+    extensions
+        Keys of the laws that contain it, or nearly so.
+    apart
+        Keys of the laws that are fitted in any case, as they do not.
+    """
+
+    base: str
+    extensions: tuple[str, ...]
+    apart: tuple[str, ...] = ()
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Keys of all laws of the family."""
+        return (self.base, *self.extensions, *self.apart)
+
+
+SPECTRUM, KINEMATIC = "retardation_spectrum", "kinematic_hardening"
+FAMILIES = {
+    "polymer": Family(
+        f"bilinear_plasticity+{SPECTRUM}",
+        (
+            f"bilinear_plasticity+{KINEMATIC}+{SPECTRUM}",
+            f"drucker_prager+{SPECTRUM}",
+            f"ludwik_plasticity+{SPECTRUM}",
+            f"voce_plasticity+{SPECTRUM}",
+        ),
+        (f"hardening_eyring+{SPECTRUM}", f"hardening_eyring+{KINEMATIC}+{SPECTRUM}"),
+    ),
+    "metal": Family(
+        "bilinear_plasticity",
+        (
+            f"bilinear_plasticity+{KINEMATIC}",
+            f"bilinear_plasticity+{SPECTRUM}",
+            "ludwik_plasticity",
+            "voce_plasticity",
+        ),
+    ),
+    "glass": Family(
+        "bilinear_plasticity",
+        (f"bilinear_plasticity+{SPECTRUM}", "drucker_prager", f"drucker_prager+{SPECTRUM}", "ludwik_plasticity"),
+    ),
+    "gel": Family(SPECTRUM, (f"nonlinear_burgers+{SPECTRUM}",), ("elastic",)),
+}
+
+
+def start(base: Mapping[str, float], loading_time: float) -> dict[str, float]:
+    """Return values of the parameters of all laws of a family at which they equal its base law, or nearly so.
+
+    Parameters
+    ----------
+    base
+        Parameters of the base law by name.
+    loading_time
+        Shortest time of loading among the tests [s].
+    """
+    stress, hardening = base.get("yield_stress", 0.0), base.get("hardening", 0.0)
+    rate = STRAIN / loading_time
+    return {
+        "kinematic_modulus": 0.0,
+        "pressure_coefficient": 0.0,
+        "strength": hardening,
+        "hardening_exponent": 1.0,
+        "saturation_strain": SATURATION,
+        "saturation_stress": stress + SATURATION * hardening,
+        "reference_rate": USUAL_RATE,
+        "eyring_stress": stress / math.log(2.0 * max(rate / USUAL_RATE, 1.0)),
+        "spectrum_coefficient": FAINT / base["youngs_modulus"],
+        "spectrum_exponent": 0.0,
+        "steady_coefficient": 0.0,
+        "steady_exponent": 0.0,
+        "transient_coefficient": 0.0,
+        "transient_exponent": 0.0,
+        "retardation_time": loading_time,
+        **base,
+    }
