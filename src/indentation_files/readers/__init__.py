@@ -11,7 +11,7 @@ from typing import Any
 
 from indentation_files.discovery import discover
 from indentation_files.errors import InputError, part_of
-from indentation_files.readers.column_map import ColumnMap
+from indentation_files.readers.column_map import ColumnMap, by_headings
 from indentation_files.readers.columns import holds_columns, missing_channel, read_columns
 from indentation_files.readers.left_out import nothing_found
 from indentation_files.readers.source import Source, numbers_of
@@ -204,6 +204,11 @@ def _whole(
             raise _without_columns(source, columns, reader)
         message = () if columns is None else (f"lacks the columns named, and is read as {reader.title}",)
         return [_with(message, test) for test in reader.read(source, corrections)]
+    named = None if no_table(source) else by_headings(tables_of(source))
+    if named is not None:
+        refuse_corrections(source, corrections)
+        shown = ", ".join(f"{key} from {name!r}" for key, name in named.names.items())
+        return [_with((f"read by its headings: {shown}",), test) for test in read_columns(source, named)]
     missing = None if no_table(source) else missing_channel(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from indentation_files.errors import InputError
+from indentation_files.readers.headings import channel_of, unmistakable
 from indentation_files.readers.tables import Table
 from indentation_files.readers.units import CHANNELS, plain, scale
 
@@ -88,4 +89,21 @@ def columns_of(table: Table, columns: ColumnMap) -> tuple[int | None, list[int]]
                         f"several columns are called {name!r}", remedy="give the columns by their numbers, from 1"
                     )
             return number, [cells.index(name) for name in wanted]
+    return None
+
+
+def by_headings(tables: Sequence[Table]) -> ColumnMap | None:
+    """Return the map of a table whose headings name time, load and depth with their units, each once; else None.
+
+    A heading that names one of them in another way, such as ``Piezo displacement (nm)``, leaves the choice to the user.
+    """
+    for table in tables:
+        for number in table.aside:
+            cells = [called(cell) for cell in table.rows[number]]
+            below = [str(cell) for cell in table.rows[number + 1]] if number + 1 < len(table.rows) else []
+            padded = [*below, *[""] * (len(cells) - len(below))]
+            named = {key: [cell for cell in cells if channel_of(cell) == key] for key in CHANNELS}
+            sure = {unmistakable(cell, unit): cell for cell, unit in zip(cells, padded, strict=False)}
+            if all(len(named[key]) == 1 and sure.get(key) == named[key][0] for key in CHANNELS):
+                return ColumnMap({key: sure[key] for key in CHANNELS})
     return None

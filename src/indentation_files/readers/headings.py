@@ -32,6 +32,28 @@ CHANNEL_WORDS = {
     "load": {"load", "force", "kraft", "fn", "p", "f"},
     "depth": {"depth", "displacement", "disp", "indentation", "penetration", "eindringtiefe", "pd", "h"},
 }
+QUALIFIERS = {  # words beside these that leave no doubt which time, load or depth is meant
+    "time": {"test", "elapsed"},
+    "load": {"on", "sample", "normal"},
+    "depth": {"into", "surface", "indenter", "indent"},
+}
+
+
+def unmistakable(heading: str, below: str) -> str | None:
+    """Return the channel that a heading names with its unit and nothing besides; None for any other.
+
+    ``Load On Sample (mN)`` and ``h / nm`` name one, and so does ``Depth`` with ``nm`` alone in the cell `below`;
+    ``Piezo displacement (nm)`` and ``Force`` name none.
+    """
+    key = channel_of(heading)
+    if key is None:
+        return None
+    try:
+        unit = stated(key, heading, heading, [below] if unit_of(key, plain(below).strip(BRACKETS)) else [])
+    except InputError:
+        return None
+    words = {word for word in words_in(heading) if unit_of(key, word) is None or word in CHANNEL_WORDS[key]}
+    return key if unit and words <= CHANNEL_WORDS[key] | QUALIFIERS[key] else None
 
 
 def channel_of(heading: str) -> str | None:

@@ -230,7 +230,6 @@ def test_a_channel_that_never_changes_is_told(tmp_path, channel, contact):
         (["--columns", "time=t / s,load=Fn,depth=h", "--raw"], "final channels only"),
         (["--columns", "time=t / s,load=Fn,depth=h", "--test", "²"], "has no test '²'"),
         (["--columns", "time=²,load=³,depth=¹"], "no table with numbers in the columns ², ³, ¹"),
-        ([], "no format that palpate knows"),
     ],
 )
 def test_a_wrong_map_gets_one_line(tmp_path, arguments, words, capsys):
@@ -354,3 +353,43 @@ def test_a_text_that_only_speaks_of_load_and_depth_is_of_no_format(tmp_path):
     (tmp_path / "x.txt").write_text("The load at this depth\nwas 5\nnot 7\n")
     with pytest.raises(InputError, match="no format that palpate knows"):
         read_vendor_file(tmp_path / "x.txt")
+
+
+@pytest.mark.parametrize(
+    ("head", "scales"),
+    [
+        ("Time (s),Load (mN),Depth (nm)", (1.0, 1.0, 1.0)),
+        ("t [ms],P [uN],h [um]", (1e-3, 1e-3, 1e3)),
+        ("Test Time / s,Load On Sample / mN,Displacement Into Surface / nm", (1.0, 1.0, 1.0)),
+        ("Time,Force,Indentation\ns,N,mm", (1.0, 1e3, 1e6)),
+        ("Time (s),Load (mN),Depth (nm),Stiffness (N/m)", (1.0, 1.0, 1.0)),
+    ],
+)
+def test_headings_with_units_that_leave_no_doubt_are_enough(tmp_path, head, scales):
+    more = ",7" if head.count(",") == 3 else ""
+    body = [f"{t:.7f},{p:.7f},{h:.7f}{more}" for t, p, h in zip(TIME, FORCE, PATH, strict=True)]
+    (tmp_path / "x.csv").write_text("\n".join([head, *body]))
+    (test,) = read_vendor_file(tmp_path / "x.csv")
+    assert "read by its headings: time from " in test.warnings[0]
+    found = (test.recording.time, test.recording.load, test.recording.depth)
+    for channel, written, scale in zip(found, (TIME, FORCE, PATH), scales, strict=True):
+        assert channel == pytest.approx(scale * written, rel=1e-5, abs=1e-5 * scale)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Time,Load,Depth",
+        "Time (s),Load (mN),Depth",
+        "Time (s),Force (nN),Piezo displacement (nm)",
+        "Time (s),Load (mN),Depth (nm),Depth corrected (nm)",
+        "Time (s),Load (mN),Load (V),Depth (nm)",
+        "Time (s),Load,Depth (nm),uN",
+    ],
+)
+def test_headings_that_leave_a_doubt_are_not(tmp_path, head):
+    more = ",7" * (head.count(",") - 2)
+    body = [f"{t:.7f},{p:.7f},{h:.7f}{more}" for t, p, h in zip(TIME, FORCE, PATH, strict=True)]
+    (tmp_path / "x.csv").write_text("\n".join([head, *body]))
+    with pytest.raises(InputError, match="name the columns of its table"):
+        read_vendor_file(tmp_path / "x.csv")
