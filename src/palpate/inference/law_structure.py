@@ -62,7 +62,17 @@ class Indentation:
     def under(
         cls, name: str, tip: Indenter, protocol: Protocol, tests: Sequence[Protocol], depths: Sequence[float]
     ) -> Indentation:
-        """Return a test under a tip of this name, which reached depths (m,) [nm] in some tests."""
+        """Return a test under a tip.
+
+        Parameters
+        ----------
+        name, tip
+            Of the tip, and the tip itself.
+        protocol
+            Of the test.
+        tests, depths
+            Tests with this tip (m,), and the largest depth of each [nm].
+        """
         if tip.sharp:
             return cls(protocol, name, level=3.0 * float(np.log(tip.slope)))
         steepest = [np.sqrt(depth / tip.radius) if tip.radius else np.inf for depth in depths]
