@@ -68,6 +68,19 @@ def test_the_method_gives_what_a_laboratory_needs(tmp_path, monkeypatch, capsys)
     assert "number: 3 tests" in text
 
 
+def test_a_tip_that_the_study_has_is_named(tmp_path, monkeypatch, capsys):
+    ball = {"name": "ball", "shape": "sphere", "radius": 1e4}
+    entries = [*STUDY["conditions"], STUDY["conditions"][0] | {"name": "S1", "indenter": ball}]
+    (*_, test) = feasible(1.0, 30.0, Indenter("cone", 70.3), {"ball": 2.0})
+    saved = {"test": test.phrase, **test.settings, **GAIN, "tip": test.tip}
+    folder = proposed(tmp_path, monkeypatch, saved, conditions=entries)
+    assert main(["propose", "study.yaml"]) == 0
+    assert "tip: ball, sphere, radius 10000 nm, as before" in capsys.readouterr().out
+    study = load_study(folder / "study.yaml")
+    assert study.condition("next1").tip == "ball"
+    assert study.condition("next1").protocol.max_load == pytest.approx(6.0)
+
+
 def trapezoid():
     return {"test": "faster", "max_load": 1.0, "loading_time": 9.0, "hold_time": 0.0, "unloading_time": 9.0, **GAIN}
 

@@ -18,7 +18,7 @@ from palpate.study.protocol import trapezoid
 
 CREEP = 0.28
 TESTS = {"a": [Recording(*held_low(0.3, CREEP, seed)) for seed in (0, 5)], "b": [Recording(*held_low(0.3, CREEP, 9))]}
-BASE = SimpleNamespace(problem=SimpleNamespace(conditions=(SimpleNamespace(name="a"),)))
+BASE = SimpleNamespace(problem=SimpleNamespace(conditions=(SimpleNamespace(name="a", tip=""),)))
 
 
 LAWS = {

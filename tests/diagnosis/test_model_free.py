@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from study_file import load
 from wilson import wilson
 
 from indentation_files.recording import Recording
@@ -9,6 +10,7 @@ from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
 from palpate.diagnosis.fact import Fact, in_words, suggestive
+from palpate.diagnosis.model_free import model_free
 from palpate.study.protocol import trapezoid
 
 LOADS = (0.5, 2.0, 8.0)
@@ -110,6 +112,41 @@ def test_histories_of_one_shape_are_compared():
     longer = Condition("long", "calibrate", trapezoid(4.0, 40, 10, 20, points=100))
     groups = scaling_facts.alike([(c, []) for c in (longer, *reversed(CONDITIONS))])
     assert [[test[0].name for test in group] for group in groups] == [["long"], ["P0.5", "P2", "P8"]]
+
+
+def test_a_fact_about_another_tip_suggests_that_tip_s_own_effects():
+    fact = Fact("level", 1.2, 1.1, 1.3, "-", ("tip_rounding", "frame_compliance"), 1.0)
+    assert fact.under_tip("") is fact
+    of_corner = fact.under_tip("corner")
+    assert of_corner.suggests == ["tip_rounding[corner]", "frame_compliance"]
+    assert in_words(of_corner.row()).startswith("Level, with corner: 1.2")
+    assert in_words(of_corner.row()).endswith("as with tip rounding of corner or frame compliance.")
+
+
+def test_loads_are_compared_within_each_sharp_tip(tmp_path):
+    """A blunter tip at another load is no length of the first one; under a sphere no such law holds."""
+    rng, times = np.random.default_rng(8), {"loading_time": 20, "hold_time": 10, "unloading_time": 20}
+    blunt = {"name": "blunt", "shape": "cone", "half_angle": 75.0}
+    tips = {"a": None, "b": None, "c": blunt, "d": "blunt", "e": {"name": "ball", "shape": "sphere", "radius": 1e4}}
+    entries = [
+        {"name": name, "max_load": load, **times} | ({"indenter": tip} if tip else {})
+        for (name, tip), load in zip(tips.items(), (0.5, 2.0, 1.0, 8.0, 4.0), strict=True)
+    ]
+    study = load(tmp_path, conditions=entries)
+    recorded, observed = {}, {}
+    for condition in study.conditions:
+        factor = {"": 1.0, "blunt": 0.7, "ball": 0.5}[condition.tip]
+        rows = [factor * unloaded(condition.protocol) * (1 + 0.005 * rng.standard_normal()) for _ in range(3)]
+        rows = [row + 0.5 * rng.standard_normal(len(row)) for row in rows]
+        time, pressed = condition.protocol.sample_time, condition.protocol.sample_load
+        recorded[condition.name] = [Recording(*(np.append(0.0, x) for x in (time, pressed, row))) for row in rows]
+        observed[condition.name] = Observation(time, np.array(rows), "calibrate")
+    levels = [fact for fact in model_free(study, recorded, observed) if fact.fact.startswith("depth / sqrt(load)")]
+    assert [fact.fact for fact in levels] == [
+        "depth / sqrt(load) of b over a",
+        "depth / sqrt(load) of d over c, with blunt",
+    ]
+    assert all(fact.lower < 1.0 < fact.upper for fact in levels)
 
 
 def test_a_fact_suggests_nothing_where_its_interval_holds_what_is_found_without():

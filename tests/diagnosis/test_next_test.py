@@ -59,6 +59,12 @@ def test_a_sphere_is_exchanged_for_a_sharp_tip():
     assert other.settings["half_angle"] == 70.3
 
 
+def test_where_a_study_has_several_tips_the_next_test_is_with_one_of_them():
+    tests = list(feasible(1.0, 10.0, Indenter("cone", 70.3), {"ball": 5.0}))
+    assert not any(test.indenter for test in tests)
+    assert [test.settings["max_load"] for test in tests if test.condition.tip == "ball"] == [0.5, 15.0]
+
+
 def next_hold():
     """Return the test with a long hold, as a condition, and a curve under it."""
     (hold,) = [test for test in proposed(Indenter("cone", 70.3)) if test.phrase.startswith("a hold of 100 s at 1 mN")]

@@ -86,8 +86,10 @@ def test_a_length_of_one_tip_says_nothing_of_another():
     tests = [Indentation(protocol, name) for name in "ab"]
     found = Discrepancy.of(tests, {"a": depth(SOLID, protocol), "b": depth(SOLID, protocol)}, 0.0025, {})
     for kind in LENGTHS:
-        a, b = np.split(found.breaches[kind], 2)
+        a, b = np.split(found.breaches[kind][:, :-1], 2)
         assert np.abs(a @ b.T).max() == 0.0 < np.abs(a).max()
+        in_proportion = np.split(found.breaches[kind][:, -1], 2)
+        assert in_proportion[0] == pytest.approx(in_proportion[1])
 
 
 def test_times_that_are_nearly_equal_are_equal_and_others_share_it_in_part():

@@ -175,7 +175,7 @@ def with_field(value, name, changed):
 
 
 def given(kind):
-    return [f.name for f in fields(kind) if f.init]
+    return [f.name for f in fields(kind) if f.init and f.compare]
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ import time
 import zlib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from palpate.cli.main import main
 from palpate.surrogate import PODRBF
 from palpate.surrogate.saved import save
 from palpate.workflow_support import saved_view
+from palpate.workflow_support.logged_run import log
 from palpate.workflow_support.manifest import git_commit
 from palpate.workflow_support.run_records import Record, Run, tracked_runs
 from palpate.workflow_support.runs_of_results import of_calibration, of_diagnosis, of_sets, of_surrogate
@@ -119,6 +121,13 @@ def test_later_entries_of_a_diagnosis_become_metrics(tmp_path):
         assert (run.metrics["nothing_further"], run.metrics["discrepancy"]) == (0.8, 0.01)
         assert (run.metrics["inclusion.friction"], run.metrics["family_inclusion.drift"]) == (0.2, 0.99)
         assert run.tags["law_within_tolerance"] == "true"
+
+
+def test_metrics_of_a_named_tip_have_names_that_mlflow_allows():
+    batches = []
+    client = SimpleNamespace(log_batch=lambda identity, metrics=(), params=(): batches.extend(metrics))
+    log(client, "1", {"series": {}, "params": {}, "ended": 0, "metrics": {"tip_rounding[corner].radius": 150.0}})
+    assert [(metric.key, metric.value) for metric in batches] == [("tip_rounding.corner.radius", 150.0)]
 
 
 def test_every_key_that_is_logged_is_explained(tmp_path):

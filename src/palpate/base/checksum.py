@@ -34,8 +34,9 @@ def content_checksum(value: Any) -> str:
 def content(value: Any) -> Any:
     """Return what decides an object in terms of JSON, from every field of a dataclass that its constructor takes.
 
-    Fields that a dataclass derives from others are left out. Numbers become floats, which JSON writes with the fewest
-    digits that restore them, in every version of Python and under every locale.
+    Fields that a dataclass derives from others are left out, and names, which it does not compare. Numbers become
+    floats, which JSON writes with the fewest digits that restore them, in every version of Python and under every
+    locale.
 
     Raises
     ------
@@ -43,7 +44,11 @@ def content(value: Any) -> Any:
         For a kind of value that it does not know, rather than let two of them look the same.
     """
     if is_dataclass(value) and not isinstance(value, type):
-        return {type(value).__name__: {f.name: content(getattr(value, f.name)) for f in fields(value) if f.init}}
+        return {
+            type(value).__name__: {
+                f.name: content(getattr(value, f.name)) for f in fields(value) if f.init and f.compare
+            }
+        }
     if isinstance(value, Mapping):
         return {str(key): content(item) for key, item in value.items()}
     if hasattr(value, "tolist"):  # an array

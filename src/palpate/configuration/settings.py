@@ -102,7 +102,8 @@ class CalibrationSettings(Section):
         le=0.5,
     )
     solver_error: Number = key(
-        "relative standard deviation of the error of the mesh, one factor common to all simulated depths. The default "
+        "relative standard deviation of the error of the mesh, one factor common to all simulated depths of a "
+        "tip. The default "
         "suits laws that are elastic or creep; give 0.005 where the law yields. What the law itself leaves is "
         "`law_error`",
         0.003,

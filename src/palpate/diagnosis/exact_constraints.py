@@ -52,7 +52,8 @@ class ExactLaws:
             self._solid = undisturbed(base, self._recorded)
             alone = [self._alone(name) * len(self._recorded[name]) for name in names]
             found = laws_of(every, chain.from_iterable(alone))
-        own = [test for name in names if not self._study.condition(name).tip for test in self._recorded[name]]
+        with_own = [each.name for each in base.problem.conditions if each.name in names and not each.tip]
+        own = [recording for name in with_own for recording in self._recorded[name]]
         return [*found, *law_of_reference(own, self._study)]
 
     def of_each(self) -> dict[str, list[list[AmplitudeConstraint]]]:

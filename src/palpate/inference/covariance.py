@@ -1,7 +1,7 @@
 """The covariance of the mean curves: noise of the recordings and error of the solver, in one matrix.
 
-A mesh whose rings grow by a constant ratio makes the same relative error at every depth: all curves are off by one
-common factor, of standard deviation `solver_error`. The default of 0.003 covers what ``accuracy: standard`` differs
+A mesh whose rings grow by a constant ratio makes the same relative error at every depth: all curves of a tip are off by
+one common factor, of standard deviation `solver_error`. The default of 0.003 covers what ``accuracy: standard`` differs
 from the depth extrapolated in the mesh ratio: up to 0.2 % of the depth in elastic and creeping bodies; up to 0.5 %
 where yielding prevails, which a study may state. Late in unloading the error has another shape: that of what the last
 refinement of the mesh changed. Apart from the common factor, the next two refinements, to rings that grow by
@@ -34,7 +34,7 @@ from palpate.data.noise import NoiseModel
 from palpate.data.noise_fit import fit_noise
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.discrepancy import Discrepancy, largest_depths
-from palpate.inference.law_structure import ripple
+from palpate.inference.law_structure import ripple, same_tip
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.models.forward import Forward
@@ -58,7 +58,7 @@ class Errors:
     components
         The components' matrices for each condition.
     model : ndarray, shape (n_all, n_all)
-        Covariance of the errors of the simulation that all conditions have in common [nm^2].
+        Covariance of the errors of the simulation that the conditions of a tip have in common [nm^2].
     refinements
         For each condition what the last refinement of the simulation changed (n_points,) [nm].
     counts
@@ -268,7 +268,7 @@ def errors(
     law_error
         Median of the prior of the law's discrepancy, whose size is zero yet; 0 where the law is taken to be exact.
     """
-    common = model_covariance(problem.split(depth), solver_error, problem.shares)
+    common = same_tip(problem.indentations) * model_covariance(problem.split(depth), solver_error, problem.shares)
     common = common + rough_covariance(problem, depth, solver_error)
     for key, effect in (effects or {}).items():
         common = common + np.outer(effect, effect) * MECHANISMS[key].solver_scatter ** 2

@@ -207,20 +207,12 @@ class Discrepancy:
 
 
 def _with_length(tests: Tests, depths: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return columns (n, 3 t) of what crosses over with the depth and with the load, by `LENGTHS`, for each of t tips.
-
-    A length of the body acts under each tip by the tip's own measure of it, so that nothing is shared between tips.
-    """
-    depth = np.abs(np.concatenate(list(depths.values())))
+    """Return columns (n, 2 t + 1) of what crosses over with depth and load under t tips, by `LENGTHS`."""
+    depth, tips = np.abs(np.concatenate(list(depths.values()))), by_tip(tests)
     relative = depth / np.maximum(largest_depths(depths, {}), 1e-9 * depth.max())
     drive = np.concatenate([test.protocol.sample_drive for test in tests])
-    found: dict[str, list[np.ndarray]] = {kind: [] for kind in LENGTHS}
-    for own in by_tip(tests):
-        parts = [*crossovers(depth[own], relative[own]), *crossovers(drive[own], relative[own])]
-        for kind, part in zip(LENGTHS, parts, strict=True):
-            found[kind].append(np.zeros((len(depth), part.shape[1])))
-            found[kind][-1][own] = part
-    return {kind: np.hstack(parts) for kind, parts in found.items()}
+    parts = [*crossovers(depth, relative, tips), *crossovers(drive, relative, tips)]
+    return dict(zip(LENGTHS, parts, strict=True))
 
 
 def mean_depth(depths: Mapping[str, np.ndarray]) -> float:

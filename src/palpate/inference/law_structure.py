@@ -10,12 +10,12 @@ Tests with different tips share it as far as they strain the body alike. A strai
 the edge of contact (D. Tabor, The Hardness of Metals, 1951): that of the flank under a cone or a pyramid at any load,
 a / R under a sphere, whose cube grows with the load (Hertz). So the logarithm of that cube takes the place of the
 logarithm of the load, and a cone and a sphere of one slope share what two loads on one sphere would share. What one
-tip breaches, or what has a length, says nothing of another one.
+tip breaches, or what has a length, says nothing of another one but for the part in proportion to the depth.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -62,7 +62,17 @@ class Indentation:
     def under(
         cls, name: str, tip: Indenter, protocol: Protocol, tests: Sequence[Protocol], depths: Sequence[float]
     ) -> Indentation:
-        """Return a test under a tip of this name, which reached depths (m,) [nm] in some tests."""
+        """Return a test under a tip.
+
+        Parameters
+        ----------
+        name, tip
+            Of the tip, and the tip itself.
+        protocol
+            Of the test.
+        tests, depths
+            Tests with this tip (m,), and the largest depth of each [nm].
+        """
         if tip.sharp:
             return cls(protocol, name, level=3.0 * float(np.log(tip.slope)))
         steepest = [np.sqrt(depth / tip.radius) if tip.radius else np.inf for depth in depths]
@@ -85,19 +95,25 @@ def parts_of_tests(tests: Tests) -> np.ndarray:
     return block_diag(*(correlation_factor(kernel(features(test))) for test in tests))
 
 
-def by_tip(tests: Tests) -> Iterator[np.ndarray]:
-    """Yield which points (n,) belong to the tests of each tip."""
+def by_tip(tests: Tests) -> list[np.ndarray]:
+    """Return which points (n,) belong to the tests of each tip."""
     of_points = np.repeat([test.tip for test in tests], [len(test.protocol.sample_time) for test in tests])
-    yield from (of_points == tip for tip in dict.fromkeys(test.tip for test in tests))
+    return [of_points == tip for tip in dict.fromkeys(test.tip for test in tests)]
 
 
-def crossovers(measure: np.ndarray, relative: np.ndarray) -> list[np.ndarray]:
-    """Return columns (n, 3) of responses that cross over between two neighbours of `CROSSINGS`, for each such pair.
+def same_tip(tests: Tests) -> np.ndarray:
+    """Return which pairs of points (n, n) belong to tests with one tip."""
+    return np.add.reduce([np.outer(own, own) for own in by_tip(tests)])
+
+
+def crossovers(measure: np.ndarray, relative: np.ndarray, tips: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return columns (n, 2 t + 1) of responses that cross over between neighbours of `CROSSINGS`, for each such pair.
 
     A body or tip with one length has one stiffness far below it and another one far above, and so has an instrument
     with a load of its own. To first order the depth h at a length l gains a share of h / (1 + h / l). The law may be
-    that of the largest depth tested, where nothing is gained then, or that of the smallest: a third column is in
-    proportion to the depth. What of the first two is not, as a stiffness is, has a root mean square of one.
+    that of the largest depth tested, where nothing is gained then, or that of the smallest: the last column is in
+    proportion to the depth. What of the others is not, as a stiffness is, has a root mean square of one. Each of t tips
+    has two columns of its own, since a length of the body acts under it by its own measure, and the law is one.
 
     Parameters
     ----------
@@ -105,15 +121,28 @@ def crossovers(measure: np.ndarray, relative: np.ndarray) -> list[np.ndarray]:
         Depth or load, over which the response crosses over.
     relative : ndarray, shape (n,)
         Depth over the largest one so far.
+    tips : sequence of ndarray, shape (n,)
+        Which points belong to each tip.
     """
+    pairs = range(len(CROSSINGS) - 1)
+    columns, whole = zip(*(_gained(measure[own], relative[own]) for own in tips), strict=True)
+    found = []
+    for k in pairs:
+        apart = np.zeros((len(measure), 2 * len(tips)))
+        for number, (own, part) in enumerate(zip(tips, columns, strict=True)):
+            apart[own, 2 * number : 2 * number + 2] = part[:, [k, k + 1]]
+        found.append(np.column_stack([apart, np.mean(whole, axis=0)[[k, k + 1]].mean() * relative]))
+    return found
+
+
+def _gained(measure: np.ndarray, relative: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what each of `CROSSINGS` gains under one tip (n, c), and the whole of it (c,), both in the same unit."""
     gained = 1.0 / (1.0 + measure[:, None] / (CROSSINGS * measure.max()))
     last = 1.0 / (1.0 + 1.0 / CROSSINGS)
     columns = relative[:, None] * (gained - last)
     beside = columns - np.outer(relative, relative @ columns / (relative @ relative))
     sizes = np.sqrt(np.mean(beside**2, axis=0))
-    columns, whole = columns / sizes, (1.0 - last) / sizes
-    pairs = range(len(CROSSINGS) - 1)
-    return [np.column_stack([columns[:, [k, k + 1]], whole[[k, k + 1]].mean() * relative]) for k in pairs]
+    return columns / sizes, (1.0 - last) / sizes
 
 
 @lru_cache(maxsize=32)

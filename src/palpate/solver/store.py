@@ -12,7 +12,7 @@ import functools
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -103,11 +103,8 @@ class Batch:
 
 
 def address(specification: Specification) -> str:
-    """Return the address of the curve that `specification` decides: a hash of all its fields and of the physics.
-
-    The name of the tip decides nothing.
-    """
-    decides = {"specification": replace(specification, tip=""), "physics": fingerprint("palpate.solver.simulation")}
+    """Return the address of the curve that `specification` decides: a hash of all its fields and of the physics."""
+    decides = {"specification": specification, "physics": fingerprint("palpate.solver.simulation")}
     return content_checksum(decides)[:24]
 
 

@@ -67,7 +67,7 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
-    tip: str = ""
+    tip: str = field(default="", compare=False)
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
