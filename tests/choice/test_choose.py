@@ -13,7 +13,7 @@ from palpate.configuration.study_file import study_from
 from palpate.data.study_recordings import check, resampled
 from palpate.draft.guesses import ranges
 from palpate.errors import InputError
-from palpate.materials.families import FAMILIES, start
+from palpate.materials.families import FAMILIES, neutral
 from palpate.solver.simulation import simulate_batch
 
 METAL = {
@@ -59,7 +59,7 @@ def compared(metal):
     laws, law = ComparedLaws(metal, resampled(metal, recorded), guessed), FAMILIES["metal"].base
     begun = laws.problem(law).forward.coordinates.scaled(TRUTH)
     base = laws.weighed(laws.fit(law, [begun]))
-    return laws, base, start(base.coordinates.named(base.z), loading)
+    return laws, base, neutral(base.coordinates.named(base.z), loading)
 
 
 @pytest.mark.parametrize("law", ["bilinear_plasticity+kinematic_hardening", "ludwik_plasticity"])

@@ -2,7 +2,8 @@
 
 1. The base law of the family is fitted, from the middle of its ranges and from places scattered over them.
 2. Every extension of it is judged at that optimum by one simulation (`palpate.choice.compared_laws`).
-3. The most promising ones are fitted from there, and those laws that do not contain the base law.
+3. The most promising ones are fitted from there, and those laws that do not contain the base law from the middle of
+   their ranges.
 4. The fitted law with the largest evidence is chosen; all of them count equally beforehand. Of laws whose evidence is
    as large within what Laplace's approximation leaves, it is the one with the fewest parameters.
 
@@ -32,7 +33,7 @@ from palpate.errors import InputError, PalpateError
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.starting_places import scattered
-from palpate.materials.families import FAMILIES, start
+from palpate.materials.families import FAMILIES, neutral
 from palpate.models.finite_elements import FiniteElements
 
 FITTED = 2  # extensions of the base law that are fitted, the most promising ones
@@ -99,14 +100,15 @@ def choose(study: Study, report: Callable[[str], None] = print) -> dict[str, Any
     solid, loading = check_distinguishable(study, recorded)
     guessed = {law: ranges(law, solid, loading) for law in family.laws}
     laws, base = _base_fit(ComparedLaws(study, resampled(study, recorded), guessed), family.base, report)
-    values = start(base.coordinates.named(base.z), loading)
+    values = neutral(base.coordinates.named(base.z), loading)
     judged = [_promised(laws, law, values, base) for law in family.extensions]
     judged.sort(key=lambda each: -each.log_evidence)
     for each in judged:
         report(f"{each.law}: log evidence {each.log_evidence:.1f} expected")
-    apart = [_promised(laws, law, values, base) for law in family.apart]
-    fitted = [_fitted(laws, each, report) for each in (*apart, *judged[:FITTED])]
-    return _content(study, [Judged(family.base, base, True, _curves(base)), *fitted], judged[FITTED:])
+    fitted = [_fitted(laws, Judged(law, None, False, 0), laws.middle(law), report) for law in family.apart]
+    fitted += [_fitted(laws, each, each.fit.z, report) for each in judged[:FITTED] if each.fit]
+    others = [each for each in judged if each.law not in [found.law for found in fitted]]
+    return _content(study, [Judged(family.base, base, True, _curves(base)), *fitted], others)
 
 
 def check_distinguishable(study: Study, recorded: Mapping[str, Sequence[Recording]]) -> tuple[Solid, float]:
@@ -162,11 +164,10 @@ def _promised(laws: ComparedLaws, law: str, values: Mapping[str, float], base: F
     return Judged(law, fit, False, _curves(fit))
 
 
-def _fitted(laws: ComparedLaws, promised: Judged, report: Callable[[str], None]) -> Judged:
-    """Return a law after its fit, from where it was judged and the middle of its ranges; as it was if that fails."""
-    starts = [promised.fit.z] if promised.fit else []
+def _fitted(laws: ComparedLaws, promised: Judged, begun: np.ndarray, report: Callable[[str], None]) -> Judged:
+    """Return a law after its fit from coordinates (k,); as it was where that fails."""
     try:
-        fit = laws.weighed(laws.fit(promised.law, [*starts, laws.middle(promised.law)]))
+        fit = laws.weighed(laws.fit(promised.law, [begun]))
     except PalpateError as error:
         report(f"{promised.law} could not be fitted: {error}")
         return promised

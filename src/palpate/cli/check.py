@@ -73,7 +73,9 @@ def _described(
     """Yield what a study simulates, how many tests each set of recordings holds, remarks on them, and limits."""
     from palpate.data.bulk_tests import bulk_tests
     from palpate.data.study_recordings import written_by_workflow
+    from palpate.materials.families import FAMILIES
     from palpate.models.imprints import imprints
+    from palpate.output.results.law_candidates import choice_sentences
     from palpate.output.tip_words import tip_in_words
     from palpate.solver.store import conditions_by_shape
     from palpate.workflow_support.data_quality import cycles_to_hold_out, passed_over
@@ -82,6 +84,11 @@ def _described(
     conditions, count = len(study.tested), materials * len(calibrated)
     plural = "s" if conditions > 1 else ""
     yield f"{study.file}: {materials} materials, {conditions} condition{plural}, {count} snapshots"
+    if study.choice:
+        yield choice_sentences(study.choice)
+    elif study.law_is_open:
+        laws = FAMILIES[study.family].laws
+        yield f"recordings {next(iter(study.recordings))} will choose among {len(laws)} laws: {', '.join(laws)}"
     for alike in conditions_by_shape(study):
         if len(alike) > 1:
             yield f"{', '.join(c.name for c in alike)} differ in size alone: one simulation gives them all"
