@@ -230,14 +230,16 @@ class Problem:
         return Amplitude.of(key, {n: float(Coordinate.of_amplitude(mechanism, n, r).physical(0.5)) for n, r in ranges})
 
     def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
-        """Return what one unit of an amplitude adds (n_points,) [nm].
+        """Return what one unit of an amplitude adds (n_points,) [nm], to the mean recorded depth where it follows it.
 
         Where a displacement is prescribed it is the derivative at the material of `at`; for a condition that takes no
         part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
         if condition.observable.adds_instrument:
-            return added_by_instrument({amplitude.key: amplitude.parameters(1.0)}, protocol)
+            item = self.observed.get(condition.name)
+            depth = np.zeros(len(protocol.sample_time)) if item is None else item.mean
+            return added_by_instrument({amplitude.key: amplitude.parameters(1.0)}, protocol, depth)
         if condition.name in self.names:
             return _unit_loads(self, amplitude)[condition.name]
         return -amplitude.added(protocol.sample_time, np.zeros(len(protocol.sample_time)))

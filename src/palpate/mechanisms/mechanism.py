@@ -129,6 +129,8 @@ class Mechanism:
         Changes what is simulated: tip, material, load that acts.
     record
         Gives the recorded depth (n,) [nm] from time [s], recorded load [mN] and true depth [nm].
+    follows_depth
+        Whether what it adds to a recorded depth depends on the true depth, not on time and load alone.
     varies
         Whether each recording has amplitudes of its own; further parameters are the same in all.
     from_search
@@ -170,6 +172,7 @@ class Mechanism:
     concealed: Callable[[np.random.Generator], Values]
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
+    follows_depth: bool = False
     varies: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0

@@ -21,6 +21,7 @@ from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification, finer, of_equivalent_cone
 
 NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much
+ROUNDS = 6  # of the fixed point of the body's depth, each of which leaves a few per cent of the error
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 
 
@@ -132,14 +133,25 @@ class BodyModel:
         """Return how many points near coordinates u (k,) are simulated in about the time of one."""
         return points_per_batch(self._bodies(u), self.level.few_sectors)
 
-    def instrument(self, u: np.ndarray, protocol: Protocol) -> np.ndarray:
-        """Return what the instrument adds to the depth (n_samples,) [nm] at coordinates u (k,)."""
-        return added_by_instrument(self.amplitudes(u), protocol)
+    def instrument(self, u: np.ndarray, protocol: Protocol, body: np.ndarray) -> np.ndarray:
+        """Return what the instrument adds (n_samples,) [nm] to the curve of the `body` at coordinates u (k,)."""
+        return added_by_instrument(self.amplitudes(u), protocol, body)
 
-    def instrument_slopes(self, u: np.ndarray, protocol: Protocol) -> np.ndarray:
-        """Return its derivatives (n_samples, k) by the coordinates."""
-        here = self.instrument(u, protocol)
-        return np.stack([self.instrument(u + step, protocol) - here for step in STEP * np.eye(len(u))], axis=1) / STEP
+    def instrument_slopes(self, u: np.ndarray, protocol: Protocol, body: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Return its derivatives (n_samples, k) by the coordinates, with those of the body's curve (`slopes`)."""
+        here, steps = self.instrument(u, protocol, body), STEP * np.eye(len(u))
+        moved = [self.instrument(u + step, protocol, body + slopes @ step) - here for step in steps]
+        return np.stack(moved, axis=1) / STEP
+
+    def without_instrument(self, u: np.ndarray, protocol: Protocol, recorded: np.ndarray) -> np.ndarray:
+        """Return the curve of the body (n_samples,) to which the instrument added at coordinates u (k,).
+
+        Where what it adds follows the depth it is a small part of it, and the fixed point is near.
+        """
+        body = recorded
+        for _ in range(ROUNDS):
+            body = recorded - self.instrument(u, protocol, body)
+        return body
 
     def _bodies(self, u: np.ndarray) -> list[Specification]:
         """Return the bodies that are simulated at coordinates u (k,), without what the instrument adds."""
