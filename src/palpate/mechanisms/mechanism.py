@@ -133,6 +133,8 @@ class Mechanism:
         Whether what it adds to a recorded depth depends on the true depth, not on time and load alone.
     varies
         Whether each recording has amplitudes of its own; further parameters are the same in all.
+    averages_out
+        Whether amplitudes that each recording has for itself are zero in the mean by nature, as where each has a phase.
     from_search
         Gives its parameters from the quantities of `plausible`, where these are not the parameters themselves but
         others on which the curve depends more simply.
@@ -174,6 +176,7 @@ class Mechanism:
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
     follows_depth: bool = False
     varies: bool = False
+    averages_out: bool = False
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
     assumed: Callable[[Specification], Values] | None = None
