@@ -11,7 +11,6 @@ from functools import cached_property
 from threading import Event
 
 import numpy as np
-
 from scipy.optimize import minimize_scalar
 
 from palpate.configuration.study_file import Study

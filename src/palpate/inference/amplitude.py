@@ -60,6 +60,11 @@ class Amplitude:
         """Return what one unit adds to the depth (n,) [nm] at times [s] and loads [mN]."""
         return MECHANISMS[self.key].record(time, load, np.zeros_like(time), self.parameters(1.0))
 
+    def course_covariance(self, time: np.ndarray, load: np.ndarray) -> dict[str, np.ndarray]:
+        """Return, as ``key.course``, the covariance (n, n) of what one unit adds where its course is random, too."""
+        of_unit = MECHANISMS[self.key].course_covariance
+        return {f"{self.key}.course": of_unit(time, load, self.parameters(1.0))} if of_unit else {}
+
 
 def own_amplitudes(values: Mapping[str, Values]) -> tuple[Amplitude, ...]:
     """Return the amplitudes of which each recording has its own, of an explanation with parameters `values`."""

@@ -135,6 +135,9 @@ class Mechanism:
         Whether each recording has amplitudes of its own; further parameters are the same in all.
     averages_out
         Whether amplitudes that each recording has for itself are zero in the mean by nature, as where each has a phase.
+    course_covariance
+        Gives the covariance (n, n) of what one unit of its amplitude adds to recordings that differ in more than
+        amplitudes, from time [s], load [mN] and parameters; None where amplitudes are all that differs.
     from_search
         Gives its parameters from the quantities of `plausible`, where these are not the parameters themselves but
         others on which the curve depends more simply.
@@ -177,6 +180,7 @@ class Mechanism:
     follows_depth: bool = False
     varies: bool = False
     averages_out: bool = False
+    course_covariance: Callable[[np.ndarray, np.ndarray, Values], np.ndarray] | None = None
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
     assumed: Callable[[Specification], Values] | None = None
