@@ -132,7 +132,7 @@ def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
 
 @pytest.mark.parametrize(
     ("key", "length"),
-    [("film_on_substrate", "thickness"), ("size_effect", "length"), ("tip_rounding", "radius")],
+    [("film_on_substrate", "thickness"), ("size_effect", "length"), ("tip_rounding", "radius"), ("skin", "depth")],
 )
 def test_a_length_scales_with_the_depth(key, length):
     """With every length of the problem doubled and the load fourfold, depths double: the exact law of a length."""

@@ -47,6 +47,8 @@ class Specification:
         Length of the size effect [nm], see `palpate.study.specimen.Specimen.resistance`.
     adhesion
         Work that separates surface and tip [mJ/m^2].
+    skin_contrast, skin_depth
+        The modulus grows towards the surface, see `palpate.study.specimen.Specimen.softening`; the depth in nm.
 
     Raises
     ------
@@ -65,6 +67,8 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
+    skin_contrast: float = 0.0
+    skin_depth: float = 0.0
     coefficients: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -86,7 +90,8 @@ class Specification:
         substrate = None
         if math.isfinite(thickness):
             substrate = under_tip(elastic_substrate(film, self.substrate_modulus), tip)
-        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion)
+        skin = self.skin_contrast, self.skin_depth
+        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion, *skin)
 
 
 def of_equivalent_cone(specification: Specification) -> Specification:
