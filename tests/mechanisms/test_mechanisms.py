@@ -15,7 +15,7 @@ from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, simulate_batch, specification_from
-from palpate.solver.variation import applied_to_body
+from palpate.solver.variation import added_by_instrument, applied_to_body
 from studies.verification.reference_materials import BURGERS as EPOXY
 
 BASE = {
@@ -94,11 +94,11 @@ def test_what_is_planted_is_diagnosed_as_itself(key):
     mechanism, rng = MECHANISMS[key], np.random.default_rng(4)
 
     def planted(condition, _):
-        time, load = condition.protocol.sample_time, condition.protocol.sample_load
         sizes = {name: 3.0 * (1.0 + 0.2 * mechanism.varies * rng.standard_normal()) for name in mechanism.amplitudes}
         values = {name: value * sizes.get(name, 1.0) for name, value in VISIBLE[key].items()}
-        depth = cone(condition.protocol, **TRUTH)
-        return mechanism.record(time, load, depth, values) - depth
+        return added_by_instrument(
+            {key: values}, condition.protocol, cone(condition.protocol, **TRUTH), condition.order
+        )
 
     found = diagnose(search_of(problem(recordings(np.random.default_rng(5), planted)), RECORDED), lambda said: None)
     assert (found.verdict, [each.fit.explanation for each in found.accepted]) == ("identified", [(key,)])

@@ -59,7 +59,7 @@ def test_the_model_of_a_study_follows_its_depth(tmp_path):
     assert its_slopes["A"][:, 1] * SIZE == pytest.approx(
         added(load, curves["A"]) * joined.coordinates.free[1].slope(place[1]), abs=1e-6
     )
-    body = joined.body.without_instrument(place, study.conditions[0].protocol, with_loop["A"])
+    body = joined.body.without_instrument(place, study.conditions[0], with_loop["A"])
     assert body == pytest.approx(curves["A"], rel=1e-9, abs=1e-9)
 
 

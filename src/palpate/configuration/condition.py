@@ -35,6 +35,8 @@ class Condition:
         Parts of the test that are held out: the protocol has no samples there.
     part_of
         Name of the condition of which these are the parts that are held out; empty for a condition of its own.
+    order
+        When its recordings were made: tests since the mean one of a set.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Condition:
     own_loads: bool = False
     held_out: Parts = ()
     part_of: str = ""
+    order: float = 1.0
 
     @property
     def observable(self) -> Observable:

@@ -231,7 +231,7 @@ def _added(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
     places = _places(problem, key)
     for place in places:
         values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
-        added = [added_by_instrument(values, c.protocol, curves[c.name]) for c in problem.conditions]
+        added = [added_by_instrument(values, c.protocol, curves[c.name], c.order) for c in problem.conditions]
         effects.append(np.concatenate(added))
     return places, np.array(effects)
 

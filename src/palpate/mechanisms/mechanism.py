@@ -131,6 +131,8 @@ class Mechanism:
         Gives the recorded depth (n,) [nm] from time [s], recorded load [mN] and true depth [nm].
     follows_depth
         Whether what it adds to a recorded depth depends on the true depth, not on time and load alone.
+    by_test_order
+        Whether what `record` adds counts as often as tests were made since the mean one.
     varies
         Whether each recording has amplitudes of its own; further parameters are the same in all.
     averages_out
@@ -178,6 +180,7 @@ class Mechanism:
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
     follows_depth: bool = False
+    by_test_order: bool = False
     varies: bool = False
     averages_out: bool = False
     course_covariance: Callable[[np.ndarray, np.ndarray, Values], np.ndarray] | None = None

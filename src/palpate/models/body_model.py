@@ -17,7 +17,6 @@ from palpate.models.fidelity import STUDY, Level
 from palpate.models.forward import Curves
 from palpate.solver.simulation import Simulation, differentiated, points_per_batch, simulate_batch
 from palpate.solver.variation import Variation, added_by_instrument, applied_to_body
-from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification, finer, of_equivalent_cone
 
 NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much
@@ -133,24 +132,26 @@ class BodyModel:
         """Return how many points near coordinates u (k,) are simulated in about the time of one."""
         return points_per_batch(self._bodies(u), self.level.few_sectors)
 
-    def instrument(self, u: np.ndarray, protocol: Protocol, body: np.ndarray) -> np.ndarray:
+    def instrument(self, u: np.ndarray, condition: Condition, body: np.ndarray) -> np.ndarray:
         """Return what the instrument adds (n_samples,) [nm] to the curve of the `body` at coordinates u (k,)."""
-        return added_by_instrument(self.amplitudes(u), protocol, body)
+        return added_by_instrument(self.amplitudes(u), condition.protocol, body, condition.order)
 
-    def instrument_slopes(self, u: np.ndarray, protocol: Protocol, body: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    def instrument_slopes(
+        self, u: np.ndarray, condition: Condition, body: np.ndarray, slopes: np.ndarray
+    ) -> np.ndarray:
         """Return its derivatives (n_samples, k) by the coordinates, with those of the body's curve (`slopes`)."""
-        here, steps = self.instrument(u, protocol, body), STEP * np.eye(len(u))
-        moved = [self.instrument(u + step, protocol, body + slopes @ step) - here for step in steps]
+        here, steps = self.instrument(u, condition, body), STEP * np.eye(len(u))
+        moved = [self.instrument(u + step, condition, body + slopes @ step) - here for step in steps]
         return np.stack(moved, axis=1) / STEP
 
-    def without_instrument(self, u: np.ndarray, protocol: Protocol, recorded: np.ndarray) -> np.ndarray:
+    def without_instrument(self, u: np.ndarray, condition: Condition, recorded: np.ndarray) -> np.ndarray:
         """Return the curve of the body (n_samples,) to which the instrument added at coordinates u (k,).
 
         Where what it adds follows the depth it is a small part of it, and the fixed point is near.
         """
         body = recorded
         for _ in range(ROUNDS):
-            body = recorded - self.instrument(u, protocol, body)
+            body = recorded - self.instrument(u, condition, body)
         return body
 
     def _bodies(self, u: np.ndarray) -> list[Specification]:

@@ -209,9 +209,9 @@ class FiniteElements:
         for condition in self.body.conditions:
             name, protocol, fine = condition.name, condition.protocol, self._anchor[condition.name]
             part = richardson(fine.fast, fine.finer, protocol)
-            accurate = self.body.without_instrument(u, protocol, curves[name])
+            accurate = self.body.without_instrument(u, condition, curves[name])
             anchor = Anchor(accurate, coarse[0][name], fine.mesh_change, richardson=part)
-            of_body = slopes[name] - self.body.instrument_slopes(u, protocol, accurate, slopes[name])
+            of_body = slopes[name] - self.body.instrument_slopes(u, condition, accurate, slopes[name])
             found[name] = replace(anchor, slope_correction=of_body - anchor.scaled(coarse[1][name], protocol))
         return replace(self, level=COARSE, anchors=replace(anchors, of=found))
 
@@ -258,9 +258,9 @@ class FiniteElements:
             if anchor := self._anchor.get(name):
                 of_body = anchor.scaled(of_body, condition.protocol)
                 of_body = of_body if anchor.slope_correction is None else of_body + anchor.slope_correction
-            found[name] = of_body + self.body.instrument_slopes(u, condition.protocol, bodies[name], of_body)
+            found[name] = of_body + self.body.instrument_slopes(u, condition, bodies[name], of_body)
         return found
 
     def _with_instrument(self, u: np.ndarray, bodies: Curves) -> dict[str, np.ndarray]:
         """Return the response (n_points,) of the body with what the instrument adds."""
-        return {c.name: bodies[c.name] + self.body.instrument(u, c.protocol, bodies[c.name]) for c in self.conditions}
+        return {c.name: bodies[c.name] + self.body.instrument(u, c, bodies[c.name]) for c in self.conditions}

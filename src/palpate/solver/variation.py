@@ -87,26 +87,42 @@ def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values)
 
 def applied_to_signal(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Return the recorded depth (n,) [nm] at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
-    return _written(specification.mechanisms, specification.protocol.sample_time, load, depth)
+    return written(specification.mechanisms, specification.protocol.sample_time, load, depth)
 
 
 def added_by_instrument(
-    mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol, depth: np.ndarray
+    mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol, depth: np.ndarray, order: float = 1.0
 ) -> np.ndarray:
-    """Return what mechanisms add (n_points,) [nm] to a true `depth` (n_points,) [nm].
+    """Return what mechanisms add (n_points,) [nm] to a true `depth` (n_points,) [nm] in a test of some `order`.
 
     Zero where a displacement is prescribed: there it changes the displacement of the body.
     """
     if not response_to(protocol).adds_instrument:
         return np.zeros(len(protocol.sample_time))
-    return _written(mechanisms, protocol.sample_time, protocol.sample_load, depth) - depth
+    return written(mechanisms, protocol.sample_time, protocol.sample_load, depth, order) - depth
 
 
-def _written(
-    mechanisms: Mapping[str, Mapping[str, float]], time: np.ndarray, load: np.ndarray, depth: np.ndarray
+def written(
+    mechanisms: Mapping[str, Mapping[str, float]],
+    time: np.ndarray,
+    load: np.ndarray,
+    depth: np.ndarray,
+    order: float = 1.0,
 ) -> np.ndarray:
+    """Return the recorded depth (n,) [nm] after mechanisms have acted on a true `depth` (n,) [nm].
+
+    Parameters
+    ----------
+    mechanisms
+        Parameters by key.
+    time, load : ndarray, shape (n,)
+        [s] and [mN].
+    order
+        Tests since the mean one, where an effect grows from test to test.
+    """
     for key, values in mechanisms.items():
-        depth = MECHANISMS[key].record(time, load, depth, values)
+        once = MECHANISMS[key].record(time, load, depth, values)
+        depth = depth + order * (once - depth) if MECHANISMS[key].by_test_order else once
     return depth
 
 
