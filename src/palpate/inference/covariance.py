@@ -42,7 +42,6 @@ from palpate.study.prescribed_segments import segments
 
 ASSUMED_RANDOM_WALK = 0.02  # nm/s^0.5, standard deviation of the walk after a second without replicates
 BACKGROUNDS = {key: mechanism.background for key, mechanism in MECHANISMS.items() if mechanism.background}
-NONE = np.empty(0)
 RIPPLE = 0.1  # of the mesh's error, which changes from point to point
 REFINED = 0.3  # of what the last refinement changed, standard deviation of what the next ones will
 LARGEST = {f"{key}.background": deviation**2 for key, deviation in BACKGROUNDS.items()}
@@ -183,20 +182,15 @@ def components_under(
         column = background.added(time, none)
         if not any(np.array_equal(column, other) for other in unloaded):
             parts[f"{key}.background"] = np.outer(column, column)
-    for amplitude in own if condition.observable.adds_instrument else ():
-        parts |= amplitude.course_covariance(time, condition.protocol.sample_load)
-    columns = {str(amplitude): problem.unit_effect(amplitude, condition) for amplitude in own}
-    return parts | {name: np.outer(column, column) for name, column in columns.items()}
+    columns = [(a, a.covariances(problem.unit_effect(a, condition), condition.protocol)) for a in own]
+    return parts | {name: matrix for a, found in columns for name, matrix in zip(a.components, found, strict=True)}
 
 
 def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: float) -> dict[str, float]:
     """Return the variances that count where at most half are repeated; of a plausible range, a tenth."""
     assumed = {"site": site_scatter**2, "random_walk": ASSUMED_RANDOM_WALK**2}
     assumed |= {name: 0.3**2 * largest for name, largest in LARGEST.items()}
-    for amplitude in own:
-        usual = (0.1 * problem.largest(amplitude)) ** 2
-        assumed |= {str(amplitude): usual, **dict.fromkeys(amplitude.course_covariance(NONE, NONE), usual)}
-    return assumed
+    return assumed | {name: (0.1 * problem.largest(a)) ** 2 for a in own for name in a.components}
 
 
 def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:

@@ -139,7 +139,17 @@ class BodyModel:
     def instrument_slopes(
         self, u: np.ndarray, condition: Condition, body: np.ndarray, slopes: np.ndarray
     ) -> np.ndarray:
-        """Return its derivatives (n_samples, k) by the coordinates, with those of the body's curve (`slopes`)."""
+        """Return its derivatives (n_samples, k) by the coordinates.
+
+        Parameters
+        ----------
+        u : ndarray, shape (k,)
+            Coordinates.
+        condition
+            The test.
+        body, slopes : ndarray, shapes (n_samples,) and (n_samples, k)
+            Curve of the body [nm], and its derivatives.
+        """
         here, steps = self.instrument(u, condition, body), STEP * np.eye(len(u))
         moved = [self.instrument(u + step, condition, body + slopes @ step) - here for step in steps]
         return np.stack(moved, axis=1) / STEP

@@ -93,9 +93,20 @@ def applied_to_signal(specification: Specification, depth: np.ndarray, load: np.
 def added_by_instrument(
     mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol, depth: np.ndarray, order: float = 1.0
 ) -> np.ndarray:
-    """Return what mechanisms add (n_points,) [nm] to a true `depth` (n_points,) [nm] in a test of some `order`.
+    """Return what mechanisms add (n_points,) [nm].
 
     Zero where a displacement is prescribed: there it changes the displacement of the body.
+
+    Parameters
+    ----------
+    mechanisms
+        Parameters by key.
+    protocol
+        Of the test.
+    depth : ndarray, shape (n_points,)
+        True depth [nm].
+    order
+        See `written`.
     """
     if not response_to(protocol).adds_instrument:
         return np.zeros(len(protocol.sample_time))
