@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from indentation_files.whole_file import written_whole
 HEADER = "time_s,load_mN,depth_nm"
 WITH_STIFFNESS = HEADER + ",stiffness_mN_per_nm"
 STIFFNESS_FOLDER = "stiffness"
+TEST_NUMBER = re.compile(r"^test_number:\s*(\d+)\s*$")
 SYNTHETIC = "SYNTHETIC"  # begins the comment that marks a recording as simulated, not measured
 BARELY_LOADED = 1e-3  # of the largest drive, up to which a test has not begun
 DIGITS, MOST_DIGITS = 9, 15  # significant ones that are written; of times that these would not distinguish
@@ -63,6 +65,12 @@ class Recording:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def test_number(self) -> int | None:
+        """Its place in the order in which tests were made, by a note ``test_number: N``; None where none says so."""
+        found = [match for match in map(TEST_NUMBER.match, self.notes) if match]
+        return int(found[0].group(1)) if found else None
 
     @property
     def synthetic(self) -> bool:

@@ -14,6 +14,7 @@ from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.laboratory.virtual import correlated_noise, off_the_mesh
 from palpate.mechanisms import MECHANISMS
+from palpate.solver.variation import written
 from studies.blind_trial.cases import Case
 from studies.blind_trial.unknown import UNKNOWN, Curve
 
@@ -38,7 +39,7 @@ def body_depths(
     wanted = list(itertools.product(conditions, cases))
     specifications = []
     for condition, case in wanted:
-        acting = {key: values for key, values in case.mechanisms.items() if not MECHANISMS[key].varies}
+        acting = {k: v for k, v in case.mechanisms.items() if not (MECHANISMS[k].varies or MECHANISMS[k].by_test_order)}
         specification = study.specification(case.parameters, condition, accuracy)
         specifications.append(replace(specification, mechanisms=acting))
     outcomes = off_the_mesh(specifications, [f"{case.name}, {condition.name}" for condition, case in wanted])
@@ -46,8 +47,10 @@ def body_depths(
     return [list(itertools.islice(depths, len(cases))) for _ in conditions]
 
 
-def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.Generator) -> list[Recording]:
-    """Return the recordings of one condition under which the body is indented by `depth` (n,) [nm]."""
+def record(
+    case: Case, condition: Condition, depth: np.ndarray, rng: np.random.Generator, before: int = 0
+) -> list[Recording]:
+    """Return the recordings of one condition, made after some `before`, where the body is indented by `depth` (n,)."""
     protocol, noise = condition.protocol, case.noise
     time, load = protocol.sample_time, protocol.sample_load
     if case.unknown:
@@ -58,12 +61,14 @@ def record(case: Case, condition: Condition, depth: np.ndarray, rng: np.random.G
         h = depth * (1.0 + noise["site_scatter"] * rng.standard_normal())
         for key, values in case.mechanisms.items():
             mechanism = MECHANISMS[key]
+            if mechanism.by_test_order:
+                h = written({key: values}, time, load, h, order=before + replicate)
             if mechanism.varies:
                 own = {name: 1.0 + noise["own"] * rng.standard_normal() for name in mechanism.amplitudes}
                 h = mechanism.record(time, load, h, {name: v * own.get(name, 1.0) for name, v in values.items()})
         h = h + noise["sigma_nm"] * first_order(len(time), noise["memory"], rng)
         h = h + background(time, noise["drift_nm_s"], noise["drift_time_s"], rng)
-        notes = (f"{SYNTHETIC}: written by palpate's blind trial, not measured",)
+        notes = (f"{SYNTHETIC}: written by palpate's blind trial, not measured", f"test_number: {before + replicate}")
         recordings.append(Recording(time, load, h, name=f"{condition.name}_{replicate}", notes=notes))
     return recordings
 
@@ -72,10 +77,10 @@ def write(study: Study, cases: Sequence[Case], folder: Path) -> None:
     """Write the recordings of some cases, each into a folder of its own."""
     generators = [np.random.default_rng(case.seed) for case in cases]
     depths = body_depths(study, cases, study.conditions, study.challenge.accuracy)
-    for condition, of_cases in zip(study.conditions, depths, strict=True):
+    for number, (condition, of_cases) in enumerate(zip(study.conditions, depths, strict=True)):
         for case, depth, rng in zip(cases, of_cases, generators, strict=True):
             (folder / case.name).mkdir(parents=True, exist_ok=True)
-            for recording in record(case, condition, depth, rng):
+            for recording in record(case, condition, depth, rng, before=number * REPLICATES):
                 recording.write(folder / case.name / f"{recording.name}.csv")
 
 

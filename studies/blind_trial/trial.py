@@ -77,7 +77,9 @@ def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:
         added = {key: depths[0] - depth for key, depth in zip(bodily, depths[1:], strict=True)}
         for key in case.mechanisms:
             if key not in added:
-                added[key] = added_by_instrument({key: case.mechanisms[key]}, condition.protocol)
+                added[key] = added_by_instrument(
+                    {key: case.mechanisms[key]}, condition.protocol, np.zeros(len(condition.protocol.sample_time))
+                )
         parts.append(np.column_stack([added[key] for key in case.mechanisms]))
     return np.concatenate(parts)
 

@@ -40,19 +40,17 @@ def logarithmic_creep(test: Curve, strength: float, rng: np.random.Generator) ->
     return test.depth * (1.0 + 0.03 * strength * share * np.log1p(test.time / 0.5))
 
 
-def warming(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
-    """Let the modulus fall while the room warms, swinging over a few hundred seconds."""
-    softening = 0.12 * strength * np.sin(2 * np.pi * test.time / 170.0) ** 2
-    return test.depth * np.sqrt(1.0 + softening)
+def settling(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
+    """Let the glue under the specimen creep under the load, with the logarithm of time."""
+    share = test.load / test.protocol.max_load
+    return test.depth + 0.03 * strength * test.depth.max() * share * np.log1p(test.time / 5.0)
 
 
-def stick_slip(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
-    """Jump ahead at random loads, as in serrated flow."""
-    jumps = np.zeros_like(test.depth)
-    for place in np.sort(rng.uniform(0.1, 0.9, 5)):
-        k = int(place * len(jumps))
-        jumps[k:] += 0.02 * strength * test.depth.max() * rng.uniform(0.5, 1.5)
-    return test.depth + jumps
+def cracking(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
+    """Let cracks grow from the contact once a load is reached; they stay open."""
+    reached = np.maximum.accumulate(test.load) / test.protocol.max_load
+    begin = rng.uniform(0.2, 0.5)
+    return test.depth * (1.0 + 0.15 * strength * np.maximum(reached - begin, 0.0) ** 2)
 
 
 def poroelastic(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
@@ -61,16 +59,16 @@ def poroelastic(test: Curve, strength: float, rng: np.random.Generator) -> np.nd
     return test.depth * (1.0 + 0.15 * strength * (1.0 - np.exp(-np.sqrt(test.time / drainage))))
 
 
-def load_cell(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
-    """Let the gain of the load cell fall with the load, so that the true load is smaller than the recorded one."""
-    gain = 1.0 - 0.15 * strength * np.tanh(test.load / 2.0)
-    return test.depth * np.sqrt(gain)
+def vibration(test: Curve, strength: float, rng: np.random.Generator) -> np.ndarray:
+    """Shake the tip, which then sinks in as under its largest load, most where the mean load is small."""
+    share = test.load / test.protocol.max_load
+    return test.depth + 0.3 * strength * test.depth.max() * share * np.exp(-6.0 * share)
 
 
 UNKNOWN: dict[str, Unknown] = {
     "logarithmic_creep": logarithmic_creep,
-    "warming": warming,
-    "stick_slip": stick_slip,
+    "settling": settling,
+    "cracking": cracking,
     "poroelastic": poroelastic,
-    "load_cell": load_cell,
+    "vibration": vibration,
 }

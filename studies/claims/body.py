@@ -3,8 +3,8 @@
 What acts on the compliance, the load or the angle enters Ting's solution; a size effect, a rounded tip and a film
 change its depth: by the resistance of Nix and Gao (J. Mech. Phys. Solids 46 (1998) 411), by the way from the bottom of
 a cap to the apex of its cone, and by the elastic weights of Gao, Chiu and Lee (Int. J. Solids Struct. 29 (1992) 2471).
-Mechanisms of the instrument are those of the library. Adhesion, friction and yielding have no closed form, and are not
-offered.
+Mechanisms of the instrument are those of the library. Offered is what a diagnosis considers where a study names
+nothing, but for adhesion, friction and yielding, which have no closed form here.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from studies.coverage.solid import RANGES, BurgersSolid
 Amplitudes = Mapping[str, Mapping[str, float]]
 
 NO_CLOSED_FORM = ("adhesion", "friction", "plastic_yield")
-KEYS = tuple(key for key in MECHANISMS if key not in NO_CLOSED_FORM)
+KEYS = tuple(key for key, each in MECHANISMS.items() if each.by_default and key not in NO_CLOSED_FORM)
 TANGENT = math.tan(math.radians(HALF_ANGLE))
 CAP = 1.0 / math.sin(math.radians(HALF_ANGLE)) - 1.0  # way from the bottom of a cap to the apex, in radii
 RADIUS = 2.0 / math.pi * TANGENT  # of contact of an elastic cone, in depths

@@ -20,7 +20,8 @@ Departure = Callable[[Protocol, np.ndarray, Compliance, np.random.Generator], np
 SLOW = 0.1  # of a test, over which a random walk is smoothed
 SETTLES = 0.03  # of a test, in which an overshoot fades
 BLUNT = 50.0  # nm, below which the square of the depth prevails again
-PLAY = 0.05  # of the largest depth, over which a backlash is taken up
+CRACKED = 1.0  # mN, from which on cracks grow
+LIGHT = 0.5  # mN, up to which vibration makes a tip sink in
 
 
 def _with_elements(elements: tuple[tuple[float, float], ...]) -> Departure:
@@ -53,9 +54,10 @@ def eyring(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.ran
     return curve.max() * flow
 
 
-def gradient(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Become stiffer with depth."""
-    return -curve * curve / (curve + 1000.0)
+def cracking(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Grow cracks once a load is reached, which stay open."""
+    reached = np.maximum.accumulate(protocol.sample_load)
+    return curve * np.maximum(reached - CRACKED, 0.0) / (reached + CRACKED)
 
 
 def area_function(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
@@ -63,9 +65,9 @@ def area_function(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng:
     return -curve / (curve + BLUNT) ** 1.5
 
 
-def load_cell(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Have a load cell whose gain falls with the load."""
-    return -curve * np.tanh(protocol.sample_load / 2.0)
+def vibration(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Shake the tip, which sinks in further while the load is small."""
+    return curve * np.exp(-protocol.sample_load / LIGHT)
 
 
 def random_walk(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
@@ -75,9 +77,9 @@ def random_walk(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: n
     return gaussian_filter1d(walk, SLOW * len(curve), mode="nearest")
 
 
-def warming(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Soften while the room warms, swinging over a few hundred seconds."""
-    return curve * np.sin(2.0 * np.pi * protocol.sample_time / 170.0) ** 2
+def settling(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Creep of the glue under the specimen, with the logarithm of time."""
+    return protocol.sample_load * np.log1p(protocol.sample_time / 5.0)
 
 
 def overshoot(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
@@ -90,11 +92,13 @@ def overshoot(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.
     return found
 
 
-def backlash(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Take up the play of a drive after the motion has turned."""
-    peak = int(np.argmax(curve))
-    back = np.where(np.arange(len(curve)) > peak, curve[peak] - curve, 0.0)
-    return -np.expm1(-back / (PLAY * curve[peak]))
+def ringing(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Swing about the course of the load after each of its corners."""
+    time, settling_time, found = protocol.sample_time, SETTLES * protocol.sample_time[-1], np.zeros(len(curve))
+    for corner in protocol.knot_time[1:-1]:
+        since = np.maximum(time - corner, 0.0) / settling_time
+        found += np.sin(2.0 * since) * np.exp(-0.5 * since)
+    return found
 
 
 DEPARTURES: dict[str, dict[str, Departure]] = {
@@ -105,7 +109,7 @@ DEPARTURES: dict[str, dict[str, Departure]] = {
         "hardened": hardened,
         "eyring": eyring,
     },
-    "length": {"gradient": gradient, "area_function": area_function, "load_cell": load_cell},
-    "clock": {"random_walk": random_walk, "warming": warming},
-    "reversal": {"overshoot": overshoot, "backlash": backlash},
+    "length": {"cracking": cracking, "area_function": area_function, "vibration": vibration},
+    "clock": {"random_walk": random_walk, "settling": settling},
+    "reversal": {"overshoot": overshoot, "ringing": ringing},
 }

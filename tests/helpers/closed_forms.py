@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from palpate.mechanisms import MECHANISMS
 from palpate.models.coordinates import Coordinate, Coordinates
+from palpate.solver.variation import added_by_instrument
 
 MATERIAL = Coordinates(
     [Coordinate("modulus", 0.7, 1.4, 1e-3, np.inf), Coordinate("fluidity", 0.0, 0.03, 0.0, np.inf)], {}
@@ -108,5 +108,5 @@ class ClosedForms:
             if key in self.bodily:
                 depth = depth + self.bodily[key](protocol, values)
             else:
-                depth = MECHANISMS[key].record(protocol.sample_time, protocol.sample_load, depth, values)
+                depth = depth + added_by_instrument({key: values}, protocol, depth, condition.order)
         return depth[self.keep[condition.name]] if self.keep else depth

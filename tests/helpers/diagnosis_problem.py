@@ -16,8 +16,10 @@ from palpate.study.protocol import trapezoid
 
 RECORD_ONLY = ["frame_compliance", "thermal_drift", "zero_offset"]
 CONDITIONS = tuple(
-    Condition(name, "calibrate", trapezoid(load, rise, hold, rise, points=60))
-    for name, load, rise, hold in [("a", 1.0, 10, 0), ("b", 1.0, 40, 20), ("c", 4.0, 20, 20), ("d", 0.2, 20, 0)]
+    Condition(name, "calibrate", trapezoid(load, rise, hold, rise, points=60), order=3.0 * number - 4.5)
+    for number, (name, load, rise, hold) in enumerate(
+        [("a", 1.0, 10, 0), ("b", 1.0, 40, 20), ("c", 4.0, 20, 20), ("d", 0.2, 20, 0)]
+    )
 )
 SCALE = Scale(depth=1000, load=4.0, modulus=3.0, duration=100, loading_time=10, half_angle=70.3, pressure=0.2)
 STUDY = SimpleNamespace(

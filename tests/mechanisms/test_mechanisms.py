@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from closed_forms import TRUTH, cone
 from diagnosis_problem import problem, recordings, search_of
 from documents import HOOKS
 
@@ -14,7 +15,7 @@ from palpate.mechanisms import MECHANISMS, Scale
 from palpate.solver import simulation
 from palpate.solver.axisymmetric.mesh import Resolution
 from palpate.solver.simulation import simulate, simulate_batch, specification_from
-from palpate.solver.variation import applied_to_body
+from palpate.solver.variation import added_by_instrument, applied_to_body
 from studies.verification.reference_materials import BURGERS as EPOXY
 
 BASE = {
@@ -63,14 +64,16 @@ def test_effect_is_visible(key, curves, plain):
 
 @pytest.mark.parametrize("key", RECORDED)
 def test_what_only_adds_to_the_depth_is_linear_in_the_amplitudes(key):
-    """And the same at every depth; its parameters are what is searched."""
+    """And the same at every depth, unless it follows the depth; its parameters are what is searched."""
     mechanism, time = MECHANISMS[key], np.linspace(1.0, 70.0, 28)
     load, twice = np.sin(time), {name: 2.0 * VISIBLE[key][name] for name in mechanism.amplitudes}
     deep = np.sqrt(time)
+    other = deep if mechanism.follows_depth else 0.0 * deep
     once, double = (
         mechanism.record(time, load, depth, values) - depth
-        for depth, values in ((deep, VISIBLE[key]), (0.0 * deep, {**VISIBLE[key], **twice}))
+        for depth, values in ((deep, VISIBLE[key]), (other, {**VISIBLE[key], **twice}))
     )
+    assert np.abs(once).max() > 0.0
     assert double == pytest.approx(2.0 * once)
     assert set(mechanism.plausible(SCALE)) == {parameter.name for parameter in mechanism.parameters}
 
@@ -91,10 +94,11 @@ def test_what_is_planted_is_diagnosed_as_itself(key):
     mechanism, rng = MECHANISMS[key], np.random.default_rng(4)
 
     def planted(condition, _):
-        time, load = condition.protocol.sample_time, condition.protocol.sample_load
         sizes = {name: 3.0 * (1.0 + 0.2 * mechanism.varies * rng.standard_normal()) for name in mechanism.amplitudes}
         values = {name: value * sizes.get(name, 1.0) for name, value in VISIBLE[key].items()}
-        return mechanism.record(time, load, np.zeros_like(time), values)
+        return added_by_instrument(
+            {key: values}, condition.protocol, cone(condition.protocol, **TRUTH), condition.order
+        )
 
     found = diagnose(search_of(problem(recordings(np.random.default_rng(5), planted)), RECORDED), lambda said: None)
     assert (found.verdict, [each.fit.explanation for each in found.accepted]) == ("identified", [(key,)])
@@ -128,7 +132,7 @@ def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
 
 @pytest.mark.parametrize(
     ("key", "length"),
-    [("film_on_substrate", "thickness"), ("size_effect", "length"), ("tip_rounding", "radius")],
+    [("film_on_substrate", "thickness"), ("size_effect", "length"), ("tip_rounding", "radius"), ("skin", "depth")],
 )
 def test_a_length_scales_with_the_depth(key, length):
     """With every length of the problem doubled and the load fourfold, depths double: the exact law of a length."""

@@ -39,6 +39,8 @@ class Condition:
         Name of the condition of which these are the parts that are held out; empty for a condition of its own.
     tip
         Name of a tip of its own; empty for that of the study.
+    order
+        When its recordings were made: tests since the mean one of a set.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Condition:
     held_out: Parts = ()
     part_of: str = ""
     tip: str = ""
+    order: float = 1.0
 
     @property
     def observable(self) -> Observable:

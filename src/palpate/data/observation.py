@@ -31,6 +31,8 @@ class Observation:
         ``calibrate``, or ``validate``: held out of the fit, to validate it.
     quantity
         What the curves are of.
+    order
+        Mean of the numbers of its tests in the order in which they were made; NaN where that is not known.
     own
         History of each replicate's own drive where they differ, see `palpate.models.own_loads`; none where all
         follow that of the condition.
@@ -40,6 +42,7 @@ class Observation:
     response: np.ndarray
     role: str = "calibrate"
     quantity: Quantity = DEPTH
+    order: float = np.nan
     own: tuple[Protocol, ...] = ()
 
     def __post_init__(self) -> None:
@@ -93,7 +96,8 @@ class Observation:
                 )
         observable = observable or response_to(protocol)
         rows = [observable.of_recording(protocol, each.time, each.load, each.depth) for each in recordings]
-        return cls(time, np.array(rows), role, Quantity(observable))
+        numbers = [np.nan if each.test_number is None else each.test_number for each in recordings]
+        return cls(time, np.array(rows), role, Quantity(observable), float(np.mean(numbers)))
 
     @property
     def mean(self) -> np.ndarray:

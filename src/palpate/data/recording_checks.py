@@ -13,6 +13,7 @@ from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.data.observation import WHOLE
 from palpate.errors import InputError
+from palpate.mechanisms import MECHANISMS
 from palpate.study.alignment import aligned, stretched
 from palpate.study.indenter import Indenter
 from palpate.study.protocol import LOAD, Protocol
@@ -50,6 +51,13 @@ def checked_recording(study: Study, condition: Condition, recording: Recording) 
                 f"the {channel} is negative, down to {values.min():.4g} {unit}: its sign is wrong",
                 remedy=to_turn(channel),
                 place=f"{channel}_{unit}",
+            )
+    if recording.test_number is None:
+        for key in [key for key in study.diagnosis.mechanisms if MECHANISMS[key].by_test_order]:
+            raise InputError(
+                f"does not say when it was made, which diagnosis.mechanisms: {key} needs",
+                remedy="write a line such as '# test_number: 7' above its header, in the order of the tests",
+                place="test_number",
             )
     begun = recording.from_contact(condition.protocol.drive_of(recording.load, recording.depth))
     if condition.follows and not condition.own_loads:

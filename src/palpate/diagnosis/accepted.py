@@ -23,10 +23,10 @@ def zero_on_average(fit: Fit) -> list[str]:
     """Return the instrument's effects of an explanation whose mean amplitudes do not differ from zero at 95 %.
 
     With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. They explain that single
-    recordings differ, which chance or another law may cause, too.
+    recordings differ, which chance or another law may cause, too. An effect that averages out is judged by its scatter.
     """
     undecided, problem = [], fit.problem
-    for key in [key for key in fit.explanation if not MECHANISMS[key].acts_on_body]:
+    for key in [key for key in fit.explanation if not (MECHANISMS[key].acts_on_body or MECHANISMS[key].averages_out)]:
         names = [f"{key}.{name}" for name in MECHANISMS[key].amplitudes]
         places = [problem.place(fit.explanation, name) for name in names]
         values, slopes = np.transpose([problem.quantity(fit.explanation, fit.z, name) for name in names])

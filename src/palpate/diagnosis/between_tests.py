@@ -25,18 +25,22 @@ JITTER = 1e-9  # of the variance of a value, added where the simulation is exact
 def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     """Return, for each amplitude ``key.name`` that varies, the p-value of tests differing no more than replicates do.
 
-    Conditions with a single recording do not count; with fewer than two others there is nothing to compare, and no
-    p-value.
+    Conditions with a single recording do not count, nor those in which an amplitude shows nothing; with fewer than two
+    others there is nothing to compare, and no p-value.
     """
-    conditions = fit.problem.repeated
-    if not fit.own or len(conditions) < 2:
+    conditions = [k for k in fit.problem.repeated if fit.own and _columns(fit, k).any(axis=0).all()]
+    if len(conditions) < 2:
         return {}
-    count = len(fit.problem.conditions)
-    estimators, variances, values = zip(*(_own_values(fit, k) for k in range(count)), strict=True)
-    simulated, found = fit.errors.of_simulation, {}
+    estimators, variances, values = zip(*(_own_values(fit, k) for k in conditions), strict=True)
+    ends = np.cumsum([len(fit.problem.observed[name].time) for name in fit.problem.names])
+    of = np.concatenate(
+        [np.arange(ends[k] - estimator.shape[1], ends[k]) for k, estimator in zip(conditions, estimators, strict=True)]
+    )
+    simulated = fit.errors.of_simulation[np.ix_(of, of)]
+    found = {}
     for place, amplitude in enumerate(fit.own):
-        every = block_diag(*(estimator[place] for estimator in estimators))[conditions]
-        rows, noise = ([of[k][place] for k in conditions] for of in (values, variances))
+        every = block_diag(*(estimator[place] for estimator in estimators))
+        rows, noise = ([each[place] for each in those] for those in (values, variances))
         found[str(amplitude)] = p_of_means(rows, np.array(noise), every @ simulated @ every.T, rng)
     return found
 
@@ -50,14 +54,21 @@ def _own_values(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
         The generalised-least-squares matrix that maps depths to values; the variances of the values from the noise of a
         recording without the scatter of its own amplitudes; and the values.
     """
-    condition, noise, own = fit.problem.conditions[number], fit.errors.noise, [str(amplitude) for amplitude in fit.own]
+    noise, own = fit.errors.noise, [str(amplitude) for amplitude in fit.own]
     rest = {name: part for name, part in fit.errors.components[number].items() if name not in own}
-    design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
+    design = _columns(fit, number)
     weighed = np.linalg.solve(noise.matrix(number, rest), design)
     spread = np.linalg.inv(design.T @ weighed)
     estimator = spread @ weighed.T
-    departures = fit.problem.observed[condition.name].response - fit.problem.split(fit.curve)[condition.name]
+    name = fit.problem.names[number]
+    departures = fit.problem.observed[name].response - fit.problem.split(fit.curve)[name]
     return estimator, np.diag(spread), estimator @ departures.T
+
+
+def _columns(fit: Fit, number: int) -> np.ndarray:
+    """Return what one unit of each amplitude adds (n, k) [nm] under a condition."""
+    condition = fit.problem.conditions[number]
+    return np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
 
 
 def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rng: np.random.Generator) -> float:

@@ -11,7 +11,6 @@ not show here.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -35,7 +34,6 @@ SCATTER = {
     ),
     "sites, in proportion to the depth": ("-", (), 0.0),
 }  # of replicates: unit, mechanisms, and what counts as background; a scatter of sites is none of the mechanisms
-NUMBER = re.compile(r"^test_number:\s*(\d+)\s*$")
 
 
 def differences(observed: Mapping[str, Observation]) -> list[Fact]:
@@ -77,7 +75,7 @@ def trend(tests: Sequence[tuple[Condition, Sequence[Recording]]]) -> list[Fact]:
     numbers, levels, places = [], [], []
     for place, (condition, recordings) in enumerate(tests):
         values = np.array([level(condition.protocol, recording) for recording in recordings])
-        told = [number for number in map(_number, recordings) if number is not None]
+        told = [each.test_number for each in recordings if each.test_number is not None]
         order = np.array(told if len(told) == len(recordings) else range(len(recordings)), dtype=float)
         kept = np.isfinite(values)
         if kept.sum() > 1:
@@ -89,8 +87,3 @@ def trend(tests: Sequence[tuple[Condition, Sequence[Recording]]]) -> list[Fact]:
     own = (np.concatenate(places)[:, None] == np.array([each[0] for each in places])).astype(float)
     found = small_samples.slope(np.concatenate(numbers), np.concatenate(levels), own)
     return [Fact("change of the depth from test to test", *found, "1/test", ("test_trend",))] if found else []
-
-
-def _number(recording: Recording) -> int | None:
-    found = [match for match in map(NUMBER.match, recording.notes) if match]
-    return int(found[0].group(1)) if found else None

@@ -227,10 +227,12 @@ def _places(problem: Problem, key: str) -> np.ndarray:
 def _added(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates (m, d) of a mechanism, and what it adds to the depths of all conditions (m, n_all) [nm]."""
     problem, effects = fit.problem, []
+    curves = problem.split(fit.curve)
     places = _places(problem, key)
     for place in places:
         values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
-        effects.append(np.concatenate([added_by_instrument(values, c.protocol) for c in problem.conditions]))
+        added = [added_by_instrument(values, c.protocol, curves[c.name], c.order) for c in problem.conditions]
+        effects.append(np.concatenate(added))
     return places, np.array(effects)
 
 

@@ -11,6 +11,7 @@ from functools import cached_property
 from threading import Event
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.constraints import contradicted
@@ -18,6 +19,7 @@ from palpate.diagnosis.detect import examine
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.screen import Screen
 from palpate.errors import PalpateError
+from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
@@ -26,6 +28,9 @@ from palpate.inference.last_steps import on_finer_meshes, with_finer_curves
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.starting_places import scattered
 from palpate.mechanisms import MECHANISMS
+
+SPREAD = np.linspace(0.0, 1.0, 13)  # places in the range of a parameter, of which the likeliest is refined
+CLOSE = {"xatol": 0.01}  # of the range
 
 LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
 
@@ -105,6 +110,7 @@ class Search:
         given = study.calibration
         errors = (given.site_scatter, given.solver_error, given.law_error)
         self._fitter = Fitter(problem, *errors)
+        self._shown_by_replicates: dict[str, tuple[float, tuple[Amplitude, ...]]] = {}
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or scattered(problem.material, self._fitter.policy, rng))
         if self.explains(base):
@@ -133,7 +139,7 @@ class Search:
         """
         model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
         middle = np.where(fit.coordinates.beyond(fit.z) == 0.0, fit.z, 0.5)
-        places, outside = [self.screen.starts(fit, key)], self._ends_outside(fit)
+        places, outside = [self._starts(fit, key)], self._ends_outside(fit)
         if not self.explains(fit):
             places.insert(0 if outside else 1, [np.append(middle, self.screen.place_shown(key))])
         found, failed, reach = list[Fit](), "", self._reach(fit, key)
@@ -151,6 +157,41 @@ class Search:
         if not found:
             raise PalpateError(failed)
         return max(found, key=lambda each: each.log_evidence)
+
+    def _starts(self, fit: Fit, key: str) -> list[np.ndarray]:
+        """Return where searches may begin once a mechanism joins, see `palpate.diagnosis.screen.Screen.starts`.
+
+        The mean of an effect that averages out does not tell its further parameter; the replicates do.
+        """
+        starts = self.screen.starts(fit, key)
+        if MECHANISMS[key].averages_out and self.problem.replicated:
+            place = len(fit.z) + self.problem.place((key,), _beside(key)) - self.problem.material
+            for start in starts:
+                start[place] = self._by_replicates(key)[0]
+        return starts
+
+    def _by_replicates(self, key: str) -> tuple[float, tuple[Amplitude, ...]]:
+        """Return where replicates differ most as by a mechanism that averages out.
+
+        That is the coordinate of the parameter beside its amplitudes, by a search of the likelihood of the noise, and
+        the amplitudes there.
+        """
+        if key not in self._shown_by_replicates:
+            problem, scatter = self.problem, self.study.calibration.site_scatter
+            coordinate = problem.coordinates((key,)).free[problem.place((key,), _beside(key))]
+            name = _beside(key).split(".")[1]
+
+            def amplitudes(place: float) -> tuple[Amplitude, ...]:
+                return Amplitude.of(key, {**MECHANISMS[key].neutral, name: float(coordinate.physical(place))})
+
+            def unlikely(place: float) -> float:
+                return -noise_of(problem, amplitudes(place), problem.mean, scatter).log_likelihood
+
+            best = min(SPREAD, key=unlikely)
+            step = float(SPREAD[1] - SPREAD[0])
+            found = minimize_scalar(unlikely, bounds=(best - step, best + step), method="bounded", options=CLOSE)
+            self._shown_by_replicates[key] = float(found.x), amplitudes(float(found.x))
+        return self._shown_by_replicates[key]
 
     def _reach(self, fit: Fit, key: str) -> float:
         """Return the chi-square that a fit must reach once a mechanism has joined.
@@ -218,7 +259,8 @@ class Search:
         problem, mechanism = self.problem, MECHANISMS[key]
         found = self.screen.log_evidence(fit, key)
         if mechanism.varies and problem.replicated:
-            scatter, own = self.study.calibration.site_scatter, problem.typical(key)
+            scatter = self.study.calibration.site_scatter
+            own = self._by_replicates(key)[1] if mechanism.averages_out else problem.typical(key)
             wider, usual = (noise_of(problem, each, fit.residual, scatter).log_likelihood for each in (own, ()))
             found += wider - usual
         broken = [not law.holds_under((*fit.explanation, key)) for law in fit.constraints]
@@ -248,3 +290,9 @@ class Search:
     def _residual_log_likelihood(self, residual: np.ndarray) -> float:
         """Return the log-likelihood of a residual (n_all,) as noise, less slow trends."""
         return noise_of(self.problem, (), residual, self.study.calibration.site_scatter).log_likelihood
+
+
+def _beside(key: str) -> str:
+    """Return the one parameter of a mechanism, ``key.name``, that is no amplitude."""
+    (name,) = (p.name for p in MECHANISMS[key].parameters if p.name not in MECHANISMS[key].amplitudes)
+    return f"{key}.{name}"

@@ -14,6 +14,7 @@ import numpy as np
 
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.mechanism import Values
+from palpate.study.protocol import Protocol
 
 PROBE = np.geomspace(1e-3, 1e3, 30)  # s or mN
 
@@ -59,6 +60,18 @@ class Amplitude:
     def added(self, time: np.ndarray, load: np.ndarray) -> np.ndarray:
         """Return what one unit adds to the depth (n,) [nm] at times [s] and loads [mN]."""
         return MECHANISMS[self.key].record(time, load, np.zeros_like(time), self.parameters(1.0))
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of its variance components; ``key.course`` is there where its course is random, too."""
+        return (str(self), *([f"{self.key}.course"] if MECHANISMS[self.key].course_covariance else []))
+
+    def covariances(self, column: np.ndarray, protocol: Protocol) -> list[np.ndarray]:
+        """Return the matrices (n, n) of these under a history in which one unit adds a `column` (n,) [nm]."""
+        found, course = [np.outer(column, column)], MECHANISMS[self.key].course_covariance
+        if course:
+            found.append(course(protocol.sample_time, protocol.sample_load, self.parameters(1.0)))
+        return found
 
 
 def own_amplitudes(values: Mapping[str, Values]) -> tuple[Amplitude, ...]:

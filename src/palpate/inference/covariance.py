@@ -182,15 +182,15 @@ def components_under(
         column = background.added(time, none)
         if not any(np.array_equal(column, other) for other in unloaded):
             parts[f"{key}.background"] = np.outer(column, column)
-    columns = {str(amplitude): problem.unit_effect(amplitude, condition) for amplitude in own}
-    return parts | {name: np.outer(column, column) for name, column in columns.items()}
+    columns = [(a, a.covariances(problem.unit_effect(a, condition), condition.protocol)) for a in own]
+    return parts | {name: matrix for a, found in columns for name, matrix in zip(a.components, found, strict=True)}
 
 
 def assumed_variances(problem: Problem, own: Sequence[Amplitude], site_scatter: float) -> dict[str, float]:
     """Return the variances that count where at most half are repeated; of a plausible range, a tenth."""
     assumed = {"site": site_scatter**2, "random_walk": ASSUMED_RANDOM_WALK**2}
     assumed |= {name: 0.3**2 * largest for name, largest in LARGEST.items()}
-    return assumed | {str(amplitude): (0.1 * problem.largest(amplitude)) ** 2 for amplitude in own}
+    return assumed | {name: (0.1 * problem.largest(a)) ** 2 for a in own for name in a.components}
 
 
 def noise_of(problem: Problem, own: tuple[Amplitude, ...], residual: np.ndarray, site_scatter: float) -> NoiseModel:

@@ -7,7 +7,7 @@ equivalent depths (`palpate.observables.observable`), so that noise, drift and m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -73,6 +73,7 @@ class Problem:
     @classmethod
     def of(cls, study: Study, recorded: Mapping[str, Observation]) -> Problem:
         """Put those conditions of a study together whose recordings have the role ``calibrate``."""
+        study = replace(study, conditions=in_order(study.conditions, recorded))
         conditions = tuple(c for c in study.conditions if c.name in recorded and recorded[c.name].role == "calibrate")
         forward = FiniteElements.of(study, [c.name for c in conditions])
         bulk = BulkModel.of(study)
@@ -246,14 +247,16 @@ class Problem:
         return Amplitude.of(key, {n: float(Coordinate.of_amplitude(mechanism, n, r).physical(0.5)) for n, r in ranges})
 
     def unit_effect(self, amplitude: Amplitude, condition: Condition) -> np.ndarray:
-        """Return what one unit of an amplitude adds (n_points,) [nm].
+        """Return what one unit of an amplitude adds (n_points,) [nm], to the mean recorded depth where it follows it.
 
         Where a displacement is prescribed it is the derivative at the material of `at`; for a condition that takes no
         part, the equivalent depth at the largest load.
         """
         protocol = condition.protocol
         if condition.observable.adds_instrument:
-            return added_by_instrument({amplitude.key: amplitude.parameters(1.0)}, protocol)
+            item = self.observed.get(condition.name)
+            depth = np.zeros(len(protocol.sample_time)) if item is None else item.mean
+            return added_by_instrument({amplitude.key: amplitude.parameters(1.0)}, protocol, depth, condition.order)
         if condition.name in self.names:
             return _unit_loads(self, amplitude)[condition.name]
         return -amplitude.added(protocol.sample_time, np.zeros(len(protocol.sample_time)))
@@ -276,6 +279,14 @@ class Problem:
         """Return the typical value of an amplitude, of either sign."""
         plausible = MECHANISMS[amplitude.key].searched(self.scale)[amplitude.name]
         return 0.1 * self.largest(amplitude) if plausible.typical is None else plausible.typical
+
+
+def in_order(conditions: Sequence[Condition], recorded: Mapping[str, Observation]) -> tuple[Condition, ...]:
+    """Return conditions that know when their recordings were made, in tests since the mean one, where that is known."""
+    every = {name: item.order for name, item in recorded.items() if np.isfinite(item.order)}
+    counts = [len(recorded[name].response) for name in every]
+    mean = np.average(list(every.values()), weights=counts) if every else 0.0
+    return tuple(replace(c, order=every[c.name] - float(mean)) if c.name in every else c for c in conditions)
 
 
 @lru_cache(maxsize=64)

@@ -21,8 +21,10 @@ from palpate.configuration.condition import Condition
 from palpate.configuration.settings import LaboratorySettings
 from palpate.configuration.study_file import Study
 from palpate.errors import PalpateError
+from palpate.mechanisms import MECHANISMS
 from palpate.observables.observable import Quantity
 from palpate.solver.simulation import Simulation, simulate_batch
+from palpate.solver.variation import written
 from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification
 
@@ -79,19 +81,27 @@ def record(study: Study, settings: LaboratorySettings) -> dict[str, Recording]:
         When a simulation of the truth fails.
     """
     rng = np.random.default_rng(settings.seed)
-    recordings = {}
+    mechanisms = settings.mechanisms
+    ordered = {key: values for key, values in mechanisms.items() if MECHANISMS[key].by_test_order}
+    recordings: dict[str, Recording] = {}
     for condition, simulation in zip(study.tested.values(), exact_curves(study, settings), strict=True):
         for replicate in range(1, settings.replicates + 1):
             site = settings.site_scatter * rng.standard_normal()
             noise = correlated_noise(simulation.time, settings.noise_nm, settings.noise_time, rng)
             name = f"{condition.name}_{replicate}"
             load, depth = disturbed(study, condition, simulation, site, noise)
+            number = len(recordings) + 1
+            depth = written(ordered, simulation.time, load, depth, order=number)
             recordings[name] = Recording(
                 simulation.time,
                 load,
                 depth,
                 name=name,
-                notes=(f"{SYNTHETIC}: written by palpate's virtual laboratory, not measured", f"study {study.name}"),
+                notes=(
+                    f"{SYNTHETIC}: written by palpate's virtual laboratory, not measured",
+                    f"study {study.name}",
+                    f"test_number: {number}",
+                ),
             )
     return recordings
 
@@ -130,7 +140,9 @@ def exact_curves(study: Study, settings: LaboratorySettings) -> list[Simulation]
     for condition in study.tested.values():
         exact = replace(condition, protocol=denser(condition.protocol))
         specification = study.specification(settings.parameters, exact, accuracy="fine")
-        specifications.append(replace(specification, mechanisms=settings.mechanisms))
+        mechanisms = settings.mechanisms.items()
+        kept = {key: values for key, values in mechanisms if not MECHANISMS[key].by_test_order}
+        specifications.append(replace(specification, mechanisms=kept))
     return off_the_mesh(specifications, [f"virtual laboratory, {name}" for name in study.tested])
 
 

@@ -132,8 +132,17 @@ class Mechanism:
         Changes what is simulated: tip, material, load that acts.
     record
         Gives the recorded depth (n,) [nm] from time [s], recorded load [mN] and true depth [nm].
+    follows_depth
+        Whether what it adds to a recorded depth depends on the true depth, not on time and load alone.
+    by_test_order
+        Whether what `record` adds counts as often as tests were made since the mean one.
     varies
         Whether each recording has amplitudes of its own; further parameters are the same in all.
+    averages_out
+        Whether amplitudes that each recording has for itself are zero in the mean by nature, as where each has a phase.
+    course_covariance
+        Gives the covariance (n, n) of what one unit of its amplitude adds to recordings that differ in more than
+        amplitudes, from time [s], load [mN] and parameters; None where amplitudes are all that differs.
     from_search
         Gives its parameters from the quantities of `plausible`, where these are not the parameters themselves but
         others on which the curve depends more simply.
@@ -175,7 +184,11 @@ class Mechanism:
     concealed: Callable[[np.random.Generator], Values]
     simulate: Callable[[Specification, Values], Specification] = unchanged_specification
     record: Callable[[np.ndarray, np.ndarray, np.ndarray, Values], np.ndarray] = unchanged_depth
+    follows_depth: bool = False
+    by_test_order: bool = False
     varies: bool = False
+    averages_out: bool = False
+    course_covariance: Callable[[np.ndarray, np.ndarray, Values], np.ndarray] | None = None
     from_search: Callable[[Values, Scale], Values] = same_values
     solver_scatter: float = 0.0
     assumed: Callable[[Specification], Values] | None = None

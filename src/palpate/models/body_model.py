@@ -17,10 +17,10 @@ from palpate.models.fidelity import STUDY, Level
 from palpate.models.forward import Curves
 from palpate.solver.simulation import Simulation, differentiated, points_per_batch, simulate_batch
 from palpate.solver.variation import Variation, added_by_instrument, applied_to_body
-from palpate.study.protocol import Protocol
 from palpate.study.specification import Specification, finer, of_equivalent_cone
 
 NEAR = 3e-5  # of a range, over which a neighbour is carried along; derivatives err by about as much
+ROUNDS = 6  # of the fixed point of the body's depth, each of which leaves a few per cent of the error
 STEP = 1e-4  # of a range, over which what the instrument adds is differenced: it is linear or nearly so
 
 
@@ -144,14 +144,37 @@ class BodyModel:
         """Return how many points near coordinates u (k,) are simulated in about the time of one."""
         return points_per_batch(self._bodies(u), self.level.few_sectors)
 
-    def instrument(self, u: np.ndarray, protocol: Protocol) -> np.ndarray:
-        """Return what the instrument adds to the depth (n_samples,) [nm] at coordinates u (k,)."""
-        return added_by_instrument(self.amplitudes(u), protocol)
+    def instrument(self, u: np.ndarray, condition: Condition, body: np.ndarray) -> np.ndarray:
+        """Return what the instrument adds (n_samples,) [nm] to the curve of the `body` at coordinates u (k,)."""
+        return added_by_instrument(self.amplitudes(u), condition.protocol, body, condition.order)
 
-    def instrument_slopes(self, u: np.ndarray, protocol: Protocol) -> np.ndarray:
-        """Return its derivatives (n_samples, k) by the coordinates."""
-        here = self.instrument(u, protocol)
-        return np.stack([self.instrument(u + step, protocol) - here for step in STEP * np.eye(len(u))], axis=1) / STEP
+    def instrument_slopes(
+        self, u: np.ndarray, condition: Condition, body: np.ndarray, slopes: np.ndarray
+    ) -> np.ndarray:
+        """Return its derivatives (n_samples, k) by the coordinates.
+
+        Parameters
+        ----------
+        u : ndarray, shape (k,)
+            Coordinates.
+        condition
+            The test.
+        body, slopes : ndarray, shapes (n_samples,) and (n_samples, k)
+            Curve of the body [nm], and its derivatives.
+        """
+        here, steps = self.instrument(u, condition, body), STEP * np.eye(len(u))
+        moved = [self.instrument(u + step, condition, body + slopes @ step) - here for step in steps]
+        return np.stack(moved, axis=1) / STEP
+
+    def without_instrument(self, u: np.ndarray, condition: Condition, recorded: np.ndarray) -> np.ndarray:
+        """Return the curve of the body (n_samples,) to which the instrument added at coordinates u (k,).
+
+        Where what it adds follows the depth it is a small part of it, and the fixed point is near.
+        """
+        body = recorded
+        for _ in range(ROUNDS):
+            body = recorded - self.instrument(u, condition, body)
+        return body
 
     def _bodies(self, u: np.ndarray) -> list[Specification]:
         """Return the bodies that are simulated at coordinates u (k,), without what the instrument adds."""

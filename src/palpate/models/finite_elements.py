@@ -139,8 +139,8 @@ class FiniteElements:
             if isinstance(outcome, str):
                 found.append(outcome)
             else:
-                curves = self._with_instrument(u, self._scaled(u, outcome[0]))
-                found.append((curves, self._scaled_slopes(u, outcome[1])))
+                bodies = self._scaled(u, outcome[0])
+                found.append((self._with_instrument(u, bodies), self._scaled_slopes(u, bodies, outcome[1])))
         return found
 
     def reanchored(self, u: np.ndarray) -> FiniteElements:
@@ -191,7 +191,8 @@ class FiniteElements:
             for name, curve in tangents[0].items()
         }
         model = replace(record, level=FINE, anchors=Anchors(u, self.body.mechanisms, anchors))
-        return model, model._with_instrument(u, model._scaled(u, finer)), model._scaled_slopes(u, tangents[1])
+        bodies = model._scaled(u, finer)
+        return model, model._with_instrument(u, bodies), model._scaled_slopes(u, bodies, tangents[1])
 
     def consistent(self, u: np.ndarray, curves: Curves, slopes: Curves) -> FiniteElements:
         """See `Forward`.
@@ -213,9 +214,9 @@ class FiniteElements:
         for condition in self.body.conditions:
             name, protocol, fine = condition.name, condition.protocol, self._anchor[condition.name]
             part = richardson(fine.fast, fine.finer, protocol)
-            accurate = curves[name] - self.body.instrument(u, protocol)
+            accurate = self.body.without_instrument(u, condition, curves[name])
             anchor = Anchor(accurate, coarse[0][name], fine.mesh_change, richardson=part)
-            of_body = slopes[name] - self.body.instrument_slopes(u, protocol)
+            of_body = slopes[name] - self.body.instrument_slopes(u, condition, accurate, slopes[name])
             found[name] = replace(anchor, slope_correction=of_body - anchor.scaled(coarse[1][name], protocol))
         return replace(self, level=COARSE, anchors=replace(anchors, of=found))
 
@@ -254,17 +255,17 @@ class FiniteElements:
                     found[condition.name] += anchor.slope_correction @ (u - self.anchors.point)
         return found
 
-    def _scaled_slopes(self, u: np.ndarray, slopes: Curves) -> dict[str, np.ndarray]:
-        """Return the derivatives (n_points, k) of the response, of which these are the level's of the body."""
+    def _scaled_slopes(self, u: np.ndarray, bodies: Curves, slopes: Curves) -> dict[str, np.ndarray]:
+        """Return the derivatives (n_points, k) of the response, of which these are the level's of the `bodies`."""
         found = {}
         for condition in self.conditions:
             name, of_body = condition.name, slopes[condition.name]
             if anchor := self._anchor.get(name):
                 of_body = anchor.scaled(of_body, condition.protocol)
                 of_body = of_body if anchor.slope_correction is None else of_body + anchor.slope_correction
-            found[name] = of_body + self.body.instrument_slopes(u, condition.protocol)
+            found[name] = of_body + self.body.instrument_slopes(u, condition, bodies[name], of_body)
         return found
 
     def _with_instrument(self, u: np.ndarray, bodies: Curves) -> dict[str, np.ndarray]:
         """Return the response (n_points,) of the body with what the instrument adds."""
-        return {c.name: bodies[c.name] + self.body.instrument(u, c.protocol) for c in self.conditions}
+        return {c.name: bodies[c.name] + self.body.instrument(u, c, bodies[c.name]) for c in self.conditions}

@@ -58,6 +58,13 @@ def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values)
     """
     if mechanism.record is unchanged_depth:
         return protocol
+    refused = InputError(
+        f"{mechanism.title} under displacement control: what it adds to the depth is not linear in the load",
+        remedy="leave it out, or use tests under load control",
+        place=f"mechanisms.{mechanism.key}",
+    )
+    if mechanism.follows_depth:
+        raise refused
     time = np.union1d(protocol.knot_time, protocol.sample_time)
 
     def added(load: float) -> np.ndarray:
@@ -66,11 +73,7 @@ def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values)
     none, *slopes = added(0.0), *(added(load) - added(0.0) for load in (1.0, 2.0))
     compliance = slopes[0][0]
     if not np.allclose(slopes, np.outer((1.0, 2.0), np.full(len(time), compliance)), rtol=LINEAR, atol=LINEAR):
-        raise InputError(
-            f"{mechanism.title} under displacement control: what it adds to the depth is not linear in the load",
-            remedy="leave it out, or use tests under load control",
-            place=f"mechanisms.{mechanism.key}",
-        )
+        raise refused
     drive = protocol.drive_at(time) - none
     kept = np.isin(time, protocol.knot_time)
     if not np.allclose(np.interp(time, time[kept], drive[kept]), drive, rtol=0.0, atol=LINEAR * protocol.largest_drive):
@@ -84,24 +87,53 @@ def through_instrument(protocol: Protocol, mechanism: Mechanism, values: Values)
 
 def applied_to_signal(specification: Specification, depth: np.ndarray, load: np.ndarray) -> np.ndarray:
     """Return the recorded depth (n,) [nm] at a true `depth` (n,) [nm] under a `load` (n,) [mN]."""
-    return _written(specification.mechanisms, specification.protocol.sample_time, load, depth)
+    return written(specification.mechanisms, specification.protocol.sample_time, load, depth)
 
 
-def added_by_instrument(mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol) -> np.ndarray:
-    """Return what mechanisms add to the recorded depth (n_points,) [nm].
+def added_by_instrument(
+    mechanisms: Mapping[str, Mapping[str, float]], protocol: Protocol, depth: np.ndarray, order: float = 1.0
+) -> np.ndarray:
+    """Return what mechanisms add (n_points,) [nm].
 
     Zero where a displacement is prescribed: there it changes the displacement of the body.
+
+    Parameters
+    ----------
+    mechanisms
+        Parameters by key.
+    protocol
+        Of the test.
+    depth : ndarray, shape (n_points,)
+        True depth [nm].
+    order
+        See `written`.
     """
-    none = np.zeros(len(protocol.sample_time))
-    adds = response_to(protocol).adds_instrument
-    return _written(mechanisms, protocol.sample_time, protocol.sample_load, none) if adds else none
+    if not response_to(protocol).adds_instrument:
+        return np.zeros(len(protocol.sample_time))
+    return written(mechanisms, protocol.sample_time, protocol.sample_load, depth, order) - depth
 
 
-def _written(
-    mechanisms: Mapping[str, Mapping[str, float]], time: np.ndarray, load: np.ndarray, depth: np.ndarray
+def written(
+    mechanisms: Mapping[str, Mapping[str, float]],
+    time: np.ndarray,
+    load: np.ndarray,
+    depth: np.ndarray,
+    order: float = 1.0,
 ) -> np.ndarray:
+    """Return the recorded depth (n,) [nm] after mechanisms have acted on a true `depth` (n,) [nm].
+
+    Parameters
+    ----------
+    mechanisms
+        Parameters by key.
+    time, load : ndarray, shape (n,)
+        [s] and [mN].
+    order
+        Tests since the mean one, where an effect grows from test to test.
+    """
     for key, values in mechanisms.items():
-        depth = MECHANISMS[key].record(time, load, depth, values)
+        once = MECHANISMS[key].record(time, load, depth, values)
+        depth = depth + order * (once - depth) if MECHANISMS[key].by_test_order else once
     return depth
 
 

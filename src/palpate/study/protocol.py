@@ -17,7 +17,8 @@ LEAST_STEP = 1e-8  # of the test, the shortest that a segment, or the way from o
 class Protocol:
     """A piecewise linear history of what is prescribed, the drive, with its sampling times.
 
-    Under load control the drive is the load, and the depth is the response. Under displacement control it is the
+    Under load control the drive is the load, and the depth is the response; a spring beside the body, of stiffness S,
+    adds to the load that acts, P + S h. Under displacement control it is the
     displacement z of a transducer of compliance C in series with the body, and load F and depth h are the response
     together:
 
@@ -33,6 +34,8 @@ class Protocol:
         ``load`` or ``displacement``.
     compliance
         Of the transducer under displacement control [nm/mN]; zero for a rigid one.
+    spring
+        Load that a spring adds per depth under load control [mN/nm].
 
     Raises
     ------
@@ -45,6 +48,7 @@ class Protocol:
     sample_time: np.ndarray
     control: str = LOAD
     compliance: float = 0.0
+    spring: float = 0.0
 
     def __post_init__(self) -> None:
         if self.control not in (LOAD, DISPLACEMENT):

@@ -47,6 +47,8 @@ class Specification:
         Length of the size effect [nm], see `palpate.study.specimen.Specimen.resistance`.
     adhesion
         Work that separates surface and tip [mJ/m^2].
+    skin_contrast, skin_depth
+        The modulus grows towards the surface, see `palpate.study.specimen.Specimen.softening`; the depth in nm.
     tip
         Name of the indenter among those of a study: effects of another tip do not act; empty for the study's own.
 
@@ -67,6 +69,8 @@ class Specification:
     substrate_modulus: float = 0.0
     size_length: float = 0.0
     adhesion: float = 0.0
+    skin_contrast: float = 0.0
+    skin_depth: float = 0.0
     tip: str = field(default="", compare=False)
     coefficients: np.ndarray = field(init=False, repr=False)
 
@@ -89,7 +93,8 @@ class Specification:
         substrate = None
         if math.isfinite(thickness):
             substrate = under_tip(elastic_substrate(film, self.substrate_modulus), tip)
-        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion)
+        skin = self.skin_contrast, self.skin_depth
+        return Specimen(under_tip(film, tip), thickness, substrate, self.size_length, self.adhesion, *skin)
 
 
 def of_equivalent_cone(specification: Specification) -> Specification:

@@ -26,6 +26,8 @@ class Specimen:
         Length of the size effect [nm], see `resistance`; zero for none.
     adhesion
         Work that separates its surface from the tip [mJ/m^2]; zero for none.
+    skin_contrast, skin_depth
+        At the surface the modulus is larger by this share, which falls to 37 % at the depth [nm]; none at depth zero.
     shallowest
         Depth [nm] below which the resistance rises no further: a first step that begins at zero depth would otherwise
         meet an unbounded resistance, and the next one the stresses that remain from it.
@@ -36,12 +38,36 @@ class Specimen:
     substrate: np.ndarray | None = None
     size_length: float = 0.0
     adhesion: float = 0.0
+    skin_contrast: float = 0.0
+    skin_depth: float = 0.0
     shallowest: float = 1e-3
 
     @property
     def yields(self) -> bool:
         """Whether the material has a yield stress."""
         return yields(self.coefficients)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether it has one law everywhere."""
+        return self.substrate is None and not self.skin_depth
+
+    @property
+    def at_surface(self) -> np.ndarray:
+        """The law (c,) at the surface."""
+        surface = self.coefficients.copy()
+        surface[[SHEAR, BULK]] *= 1.0 + self.skin_contrast
+        return surface
+
+    def softening(self, upper: float, lower: float) -> float:
+        """Return the factor on the elastic compliance of a layer between two depths [nm] by the skin: its mean.
+
+        The modulus is E (1 + contrast exp(-z / depth)); the mean of its inverse is an elementary integral.
+        """
+        begin, end = upper / self.skin_depth, lower / self.skin_depth
+        return 1.0 + (
+            math.log1p(self.skin_contrast * math.exp(-end)) - math.log1p(self.skin_contrast * math.exp(-begin))
+        ) / (end - begin)
 
     def resistance(self, depth: float) -> float:
         """Return the factor sqrt(1 + length / depth) on the stress that inelastic flow needs at `depth` [nm].

@@ -55,15 +55,17 @@ def _mean_pressure(law: bytes, slope: float, duration: float) -> float:
 def contact_range(specimen: Specimen, indenter: Indenter, protocol: Protocol) -> tuple[float, float]:
     """Estimate the smallest contact radius that counts and the largest one [um].
 
-    The softer of film and substrate decides the largest, the film alone the smallest. Adhesion pulls the surface up to
+    The softer of film and substrate decides the largest, the film alone the smallest; with a skin, surface and body
+    decide both. Adhesion pulls the surface up to
     the tip: its contact carries the load and what a flat punch would bear at the work of adhesion (K. L. Johnson,
     K. Kendall and A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313). All meshes of one indentation ask for the
     same.
     """
-    smallest, largest = _contact_range(specimen.coefficients, specimen.adhesion, indenter, protocol)
-    if specimen.substrate is None:
-        return smallest, largest
-    return smallest, max(largest, _contact_range(specimen.substrate, specimen.adhesion, indenter, protocol)[1])
+    laws = [specimen.coefficients, *([specimen.at_surface] if specimen.skin_depth else [])]
+    smallest, largest = zip(*(_contact_range(law, specimen.adhesion, indenter, protocol) for law in laws), strict=True)
+    if specimen.substrate is not None:
+        largest = (*largest, _contact_range(specimen.substrate, specimen.adhesion, indenter, protocol)[1])
+    return min(smallest), max(largest)
 
 
 def _contact_range(

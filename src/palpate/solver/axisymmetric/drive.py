@@ -2,7 +2,8 @@
 
     force_weight * F + depth_weight * h = target
 
-Under load control that is F = P. Under displacement control C F + h = z, times the stiffness K of transducer and
+Under load control that is F = P or, beside a spring of stiffness S, F - S h = P; without load the spring is left out,
+whose contact the mesh does not resolve. Under displacement control C F + h = z, times the stiffness K of transducer and
 contact in series, so that it counts as a force whatever the transducer: K C is one for a soft spring, and zero for a
 rigid one.
 """
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.solver.axisymmetric.mesh import LEAST_LOAD
 from palpate.study.protocol import LOAD, Protocol
 
 NO_LOAD = 1e-5  # of the largest load: what counts as none
@@ -32,6 +34,8 @@ class Drives:
     force_weight, depth_weight : ndarray, shape (LANES,)
     scale : ndarray, shape (LANES,)
         Largest load, as expected under displacement control.
+    displaced : ndarray of bool, shape (LANES,)
+        Whether a displacement is prescribed.
     least : ndarray, shape (LANES,)
         Least target: a contact under no load has no depth of its own.
     """
@@ -41,6 +45,7 @@ class Drives:
     force_weight: np.ndarray
     depth_weight: np.ndarray
     scale: np.ndarray
+    displaced: np.ndarray
     least: np.ndarray
 
     @classmethod
@@ -65,14 +70,16 @@ class Drives:
         loads = np.array(expected)
         free = np.array([protocol.control == LOAD for protocol in protocols])
         compliance = np.array([protocol.compliance for protocol in protocols])
+        spring = np.array([protocol.spring for protocol in protocols])
         drive = np.array([protocol.largest_drive for protocol in protocols])
         series = np.where(free, 1.0, loads / drive)
         return cls(
             protocols,
             series / units**2,
             np.where(free, 1.0, series * compliance),
-            np.where(free, 0.0, 1e3 * series / units),
+            np.where(free, -spring, series) * 1e3 / units,
             loads / units**2,
+            ~free,
             np.where(free & ~adhesive, NO_LOAD * loads / units**2, -np.inf),
         )
 
@@ -82,9 +89,11 @@ class Drives:
 
     def equation(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return force weights, depth weights and targets (LANES,) at times (LANES,) [s]."""
-        return self.force_weight, self.depth_weight, np.maximum(self.factor * self.at(times), self.least)
+        target = self.factor * self.at(times)
+        sprung = self.displaced | (target > LEAST_LOAD * self.scale)
+        return self.force_weight, np.where(sprung, self.depth_weight, 0.0), np.maximum(target, self.least)
 
     def loading(self, times: np.ndarray) -> np.ndarray:
         """Return numbers (LANES,) that grow as the loads of sharp tips do until the times (LANES,) [s]."""
         drive = np.maximum(self.at(times), 0.0)
-        return np.where(self.depth_weight > 0.0, drive**2, drive)
+        return np.where(self.displaced, drive**2, drive)

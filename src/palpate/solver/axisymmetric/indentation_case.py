@@ -100,6 +100,6 @@ class Case:
     def kind(self) -> tuple:
         """What cases that run together have in common."""
         shape = self.shape.tobytes()
-        body = self.large, structure(self.specimen.coefficients), self.specimen.substrate is None
+        body = self.large, structure(self.specimen.coefficients), self.specimen.is_uniform
         surface = self.indenter.friction > 0.0, self.specimen.adhesion > 0.0
         return self.resolution, shape, body, surface

@@ -256,7 +256,7 @@ def begun(
     loaded = np.array([case.times[case.unloaded_steps] for case in hosts])
     touching = first_contact(
         profiles, specimens, list(map(loaded_time, protocols)), body.distance, ranges[0],
-        np.where((drives.depth_weight > 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
+        np.where((drives.depth_weight != 0.0) | adhesive, 0.0, drives.equation(loaded)[2]),
     )  # fmt: skip
     radii = np.sqrt(touching.area / np.pi)
     depth = np.array([float(profile(a)[0]) for profile, a in zip(profiles, radii, strict=True)])

@@ -213,7 +213,7 @@ def imbalance(state, prescribed, residual, coupling, norm, lane):
     norm : ndarray, shape (LANES,)
         Largest unbalanced force.
     """
-    exact, scale = EXACT if prescribed.depth_weight[lane] > 0.0 else 1.0, prescribed.scale[lane]
+    exact, scale = EXACT if prescribed.depth_weight[lane] != 0.0 else 1.0, prescribed.scale[lane]
     unlike, push = abs(coupling.area[lane] / state.area[lane] - 1.0), state.pressure[lane] * state.area[lane]
     return max(max(norm[lane], exact * abs(residual.excess[lane])) / scale, unlike * push / scale / LESS)
 

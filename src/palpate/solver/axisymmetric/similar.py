@@ -3,8 +3,9 @@
 A sharp tip and a body without a length of its own know no size but that of the contact. Under histories whose loads are
 in proportion at all times, depths go with the root of the load: depth / sqrt(load) cannot depend on the largest load
 (Y.-T. Cheng and C.-M. Cheng, Mater. Sci. Eng. R 44 (2004) 91-149, section 3). Under given displacements loads go with
-their square, where the transducer's compliance falls with them. The mesh grows with the contact, so that this holds for
-the simulated curves as it does for the exact ones; where its rings are given, it does not grow.
+their square, where the transducer's compliance falls with them; under given loads a spring stiffens
+with them. The mesh grows with the contact, so that this holds for the simulated curves as it does for the exact ones;
+where its rings are given, it does not grow.
 """
 
 from __future__ import annotations
@@ -88,13 +89,14 @@ def length_ratio(case: Case, other: Case) -> float | None:
     if not np.allclose(drive, share * others, rtol=CLOSE, atol=CLOSE * drive.max()):
         return None
     if one.control == LOAD:
-        return math.sqrt(share)
+        ratio = math.sqrt(share)
+        return ratio if math.isclose(one.spring, ratio * two.spring, rel_tol=CLOSE) else None
     return share if math.isclose(one.compliance * share, two.compliance, rel_tol=CLOSE) else None
 
 
 def _without_length(case: Case) -> bool:
     body, free = case.specimen, case.rings is None
-    return free and case.indenter.sharp and not (body.size_length or body.adhesion) and math.isinf(body.film_thickness)
+    return free and case.indenter.sharp and not (body.size_length or body.adhesion) and body.is_uniform
 
 
 def _alike(case: Case, other: Case) -> bool:
