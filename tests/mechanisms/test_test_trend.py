@@ -9,11 +9,13 @@ from closed_forms import TRUTH, cone
 from diagnosis_problem import CONDITIONS, RECORD_ONLY, SCALE, problem, recordings, search_of
 from elastic_study import SETTINGS, measured
 
+from palpate.configuration.settings import LaboratorySettings
 from palpate.configuration.study_file import load_study
+from palpate.data.observation import in_order
 from palpate.data.study_recordings import check_tests, resampled
 from palpate.diagnosis.diagnose import diagnose
 from palpate.errors import InputError
-from palpate.inference.problem import Problem, in_order
+from palpate.inference.problem import Problem
 from palpate.laboratory import virtual
 from palpate.mechanisms import MECHANISMS
 
@@ -61,8 +63,9 @@ def test_it_is_named_in_the_order_of_the_tests():
 
 def test_the_virtual_laboratory_numbers_its_tests_and_finite_elements_follow_them(tmp_path):
     truth = {"youngs_modulus": 3.0}
-    settings = {"seed": 1, "parameters": truth, "mechanisms": {KEY: {"rate": RATE}}}
-    settings |= {"replicates": 1, "noise_nm": 0.0, "noise_time": 1.0, "site_scatter": 0.0}
+    settings = LaboratorySettings(
+        seed=1, parameters=truth, mechanisms={KEY: {"rate": RATE}}, replicates=1, noise_nm=0.0, site_scatter=0.0
+    )
     small = study(tmp_path, conditions=TWO)
     first, second = virtual.record(small, settings).values()
     assert (first.test_number, second.test_number) == (1, 2)

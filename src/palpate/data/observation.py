@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from indentation_files.recording import Recording
+from palpate.configuration.condition import Condition
 from palpate.errors import InputError
 from palpate.observables import Observable, Quantity, response_to
 from palpate.observables.depth import DEPTH
@@ -103,3 +104,11 @@ class Observation:
     def mean(self) -> np.ndarray:
         """Mean curve (n_points,)."""
         return self.response.mean(axis=0)
+
+
+def in_order(conditions: Sequence[Condition], recorded: Mapping[str, Observation]) -> tuple[Condition, ...]:
+    """Return conditions that know when their recordings were made, in tests since the mean one, where that is known."""
+    every = {name: item.order for name, item in recorded.items() if np.isfinite(item.order)}
+    counts = [len(recorded[name].response) for name in every]
+    mean = np.average(list(every.values()), weights=counts) if every else 0.0
+    return tuple(replace(c, order=every[c.name] - float(mean)) if c.name in every else c for c in conditions)

@@ -7,7 +7,7 @@ equivalent depths (`palpate.observables.observable`), so that noise, drift and m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -16,7 +16,7 @@ from scipy.linalg import block_diag
 
 from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
-from palpate.data.observation import Observation
+from palpate.data.observation import Observation, in_order
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.bulk_likelihood import BulkLikelihood
@@ -279,14 +279,6 @@ class Problem:
         """Return the typical value of an amplitude, of either sign."""
         plausible = MECHANISMS[amplitude.key].searched(self.scale)[amplitude.name]
         return 0.1 * self.largest(amplitude) if plausible.typical is None else plausible.typical
-
-
-def in_order(conditions: Sequence[Condition], recorded: Mapping[str, Observation]) -> tuple[Condition, ...]:
-    """Return conditions that know when their recordings were made, in tests since the mean one, where that is known."""
-    every = {name: item.order for name, item in recorded.items() if np.isfinite(item.order)}
-    counts = [len(recorded[name].response) for name in every]
-    mean = np.average(list(every.values()), weights=counts) if every else 0.0
-    return tuple(replace(c, order=every[c.name] - float(mean)) if c.name in every else c for c in conditions)
 
 
 @lru_cache(maxsize=64)

@@ -36,7 +36,7 @@ MECHANISM = Mechanism(
     effect="depth changes by rate * depth from test to test, in the order of the recordings",
     parameters=(Parameter("rate", "r", "-", -0.5, 0.5, "change of the depth from test to test, as a share of it"),),
     neutral={"rate": 0.0},
-    example={"rate": 0.02},
+    example={"rate": 0.01},
     source="ISO 14577-2:2015 (change of the indenter in use)",
     plausible=lambda s: {"rate": Range(-0.05, 0.05, typical=TYPICAL)},
     concealed=lambda rng: {"rate": signed(rng, 0.001, 0.01)},
