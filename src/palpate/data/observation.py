@@ -105,6 +105,11 @@ class Observation:
         """Mean curve (n_points,)."""
         return self.response.mean(axis=0)
 
+    def as_depth(self) -> Observation:
+        """Return what was measured in nm."""
+        quantity = replace(DEPTH, share=self.quantity.share)
+        return replace(self, response=self.quantity.nm * self.response, quantity=quantity)
+
 
 def in_order(conditions: Sequence[Condition], recorded: Mapping[str, Observation]) -> tuple[Condition, ...]:
     """Return conditions that know when their recordings were made, in tests since the mean one, where that is known."""

@@ -27,7 +27,6 @@ from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.models.finite_elements import FiniteElements
 from palpate.models.forward import Curves, Forward
 from palpate.models.imprints import Imprint, imprints
-from palpate.observables.depth import DEPTH
 from palpate.solver.study_scale import scale_of
 from palpate.solver.variation import added_by_instrument, applied_to_body
 from palpate.study.indenter import Indenter
@@ -93,7 +92,7 @@ class Problem:
     @cached_property
     def observed(self) -> dict[str, Observation]:
         """The recordings of every condition [nm]."""
-        return {name: _as_depth(item) for name, item in self.recorded.items()}
+        return {name: item.as_depth() for name, item in self.recorded.items()}
 
     @cached_property
     def nm(self) -> dict[str, float]:
@@ -294,9 +293,3 @@ def _unit_loads(problem: Problem, amplitude: Amplitude) -> dict[str, np.ndarray]
         raise PalpateError(f"{amplitude.key}, {outcome}")
     slope = problem.quantity(explanation, z, str(amplitude))[1]
     return problem.split(problem.stacked(outcome[1])[:, problem.place(explanation, str(amplitude))] / slope)
-
-
-def _as_depth(item: Observation) -> Observation:
-    """Return what was measured in one condition in nm."""
-    quantity = replace(DEPTH, share=item.quantity.share)
-    return replace(item, response=item.quantity.nm * item.response, quantity=quantity)
