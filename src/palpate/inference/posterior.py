@@ -14,7 +14,8 @@ which obeys the scaling law: the law may or may not lack such creep.
 
 Proposals come from a mixture of Student's distributions, first one for each size, to first order; then, as long as the
 weights are uneven, about draws of the round before (population Monte Carlo: O. Cappe et al., J. Comput. Graph. Stat. 13
-(2004) 907-929), which follow a bent density. The random numbers are the same ones for every fit.
+(2004) 907-929), which follow a bent density. All rounds count, each in proportion to its effective number of draws. The
+random numbers are the same ones for every fit.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from palpate.inference.marginal import Marginal
 DRAWS = 1500
 PROPOSALS = 6000  # a round
 ROUNDS = 6
-ENOUGH = 1200.0  # effective number of draws among the proposals, with which no further round follows
+ENOUGH = 3000.0  # effective number of draws of all rounds, with which no further one follows
 CENTRES = 60  # draws of the round before about which the next round proposes
 NARROWER = 0.35  # covariance about each of them, as a share of that of all draws
 AXES = 3  # along which second derivatives are taken
@@ -52,13 +53,19 @@ def posterior_draws(fit: Fit) -> np.ndarray:
     """
     target = _Density.of(fit)
     mixture, rng = target.first_order(), np.random.default_rng(0)
+    rounds, masses, effective = list[np.ndarray](), list[np.ndarray](), 0.0
     for _ in range(ROUNDS):
         points = mixture.drawn(PROPOSALS, rng)
         log_weights = target.log_density(points) - mixture.log_density(points)
         weights = np.exp(log_weights - logsumexp(log_weights))
-        if 1.0 / np.sum(weights**2) >= ENOUGH:
+        count = 1.0 / float(np.sum(weights**2))
+        rounds.append(points)
+        masses.append(count * weights)
+        effective += count
+        if effective >= ENOUGH:
             break
         mixture = _Mixture.about(points, weights, rng)
+    points, weights = np.concatenate(rounds), np.concatenate(masses) / effective
     places = np.searchsorted(np.cumsum(weights), (np.arange(DRAWS) + 0.5) / DRAWS * (1.0 - 1e-12))
     return _with_creep_at_once(fit, points[np.minimum(places, len(points) - 1)], rng)
 
