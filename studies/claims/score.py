@@ -39,7 +39,9 @@ def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any
     """Return what one set contributes."""
     sizes = planted_sizes(case)
     acting = {key for key, size in sizes.items() if size > smallest}
-    alike = {other for key in sizes for other in KEYS if {key, *MECHANISMS[key].includes} & {other, *_included(other)}}
+    alike = {
+        other for key in sizes for other in MECHANISMS if {key, *MECHANISMS[key].includes} & {other, *_included(other)}
+    }
     named, candidates = set(stated["named"]), [set(each) for each in stated["candidates"]]
     held = [
         low <= case.parameters[name] <= high

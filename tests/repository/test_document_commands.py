@@ -95,7 +95,7 @@ HOW = {
     },
     "tutorial.md": {
         "palpate read anonNI.TXT --survey -o look": "",
-        "palpate draft anonNI.TXT --law nonlinear_burgers -o my_study": "",
+        "palpate draft anonNI.TXT -o my_study": "",
         "palpate check my_study/study.yaml": "",
         "palpate run my_study/study.yaml": "is that of the README",
     },

@@ -19,7 +19,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     reading_arguments(parser)
     parser.add_argument(
-        "--law", type=_law, help="law of the material, such as burgers_plasticity (default: chosen by the tests)"
+        "--law",
+        type=_law,
+        help="law of the material, such as burgers_plasticity, or auto, with which the recordings choose among the laws of "
+        "a family (default: a law that suits the tests)",
     )
     parser.add_argument(
         "--sphere",
@@ -33,11 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _law(text: str) -> str:
+    from palpate.configuration.chosen_law import AUTO
     from palpate.errors import InputError
     from palpate.materials import law_of
 
     try:
-        return law_of(text).key
+        return text if text == AUTO else law_of(text).key
     except InputError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
@@ -55,13 +59,16 @@ def _length(text: str) -> float:
 def run(arguments: argparse.Namespace) -> int:
     """Write the recordings as replicates of the conditions that they are, and the study; print what it will do."""
     from indentation_files.readers import ColumnMap
+    from palpate.configuration.chosen_law import AUTO
     from palpate.draft import lines, readable, study_name, write_study
     from palpate.errors import located_in
 
     with located_in(arguments.files[0]):
         columns = ColumnMap.stated(arguments.columns, arguments.units)
     tests = readable(arguments.files, warn, arguments.contact, arguments.corrections, columns)
-    found = write_study(tests, arguments.output, study_name(arguments.output), warn, arguments.law, arguments.sphere)
+    law, name = None if arguments.law == AUTO else arguments.law, study_name(arguments.output)
+    leave_open = arguments.law == AUTO
+    found = write_study(tests, arguments.output, name, warn, law, arguments.sphere, leave_open=leave_open)
     for remark in found.remarks:
         warn(remark)
     print("taken from the tests or guessed:", *lines(found.table), *check.examined(found.study), sep="\n")

@@ -57,7 +57,7 @@ def write_study(
     law: str | None,
     sphere: float | None,
     *,
-    leave_open: bool = True,
+    leave_open: bool = False,
 ) -> FirstStudy:
     """Write tests as replicates of the conditions that they are, and a study of them, and return it.
 

@@ -10,6 +10,7 @@ import numpy as np
 from palpate.inference.least_squares import Misfit
 
 LARGEST_STEP = 1.0  # of the range of a parameter
+SHORTEST_SECANT = 1e-4  # of the range; over shorter steps curves of bodies that almost yield change less than they err
 CORRECTIONS = 3  # fixed-point iterations of the second-order correction
 
 
@@ -102,7 +103,8 @@ class Descent:
     def move(self, u: np.ndarray, curve: np.ndarray) -> None:
         """Take a step to coordinates u (k,) with this curve (n,), and correct the tangent by its secant."""
         step, departure = self.departed(u, curve)
-        self.tangent = self.tangent + np.outer(departure, step) / (step @ step)
+        if step @ step > SHORTEST_SECANT**2:
+            self.tangent = self.tangent + np.outer(departure, step) / (step @ step)
         self.path.append(self.u)
         self.u, self.curve, self.exact = u, curve, False
 
@@ -144,7 +146,7 @@ class Steps:
         """
         lengths = search.length * 0.5 ** np.arange(count)
         ends = [self.end(length) for length in lengths]
-        if search.last is not None:
+        if search.last is not None and search.last[0] @ search.last[0] > SHORTEST_SECANT**2:
             step, departure = search.last
             weighed = self.weights @ departure
             second = np.append(weighed, np.zeros(len(self.residual) - len(weighed))) / (step @ step) ** 2

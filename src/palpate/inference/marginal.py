@@ -12,6 +12,8 @@ from scipy.special import log_ndtr
 
 from palpate.inference.discrepancy import SHAPES, SHARES, SIZES, Discrepancy, Size, log_prior
 
+ALIKE = 1e-9  # of the square of a column, far above rounding
+
 
 @dataclass(frozen=True, eq=False)
 class Modes:
@@ -123,9 +125,18 @@ class Marginal:
         variance = np.broadcast_to(variance, self.products.shape[1] - 1)
         order = np.r_[1 : len(variance) + 1, 0]
         # One more keeps the last pivot positive where nothing is left; it is taken off again.
-        factor = np.linalg.cholesky(self.products[:, order][:, :, order] + np.diag(np.append(1.0 / variance, 1.0)))
+        factor = _factor(self.products[:, order][:, :, order] + np.diag(np.append(1.0 / variance, 1.0)))
         diagonal, last = np.diagonal(factor, axis1=1, axis2=2), len(variance) - 1
         squares = diagonal[:, -1] ** 2 - 1.0 if moves else self.products[:, 0, 0]
         volume = 2.0 * np.log(diagonal[:, :-1]).sum(axis=1) + np.log(variance).sum()
         found = -0.5 * (squares + volume) - self.half_log_det
         return found + np.log(2.0) + log_ndtr(factor[:, -1, last]) if positive else found
+
+
+def _factor(precisions: np.ndarray) -> np.ndarray:
+    """Return the factors of Cholesky (q, c, c); of columns alike to the last digits, as if they differed by `ALIKE`."""
+    try:
+        return np.linalg.cholesky(precisions)
+    except np.linalg.LinAlgError:
+        diagonal = np.diagonal(precisions, axis1=1, axis2=2)
+        return np.linalg.cholesky(precisions + ALIKE * diagonal[:, None, :] * np.eye(diagonal.shape[1]))

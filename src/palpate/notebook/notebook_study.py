@@ -116,7 +116,7 @@ class NotebookStudy(Shown, Study):
         drafted += [_drafted(each) for each in given if not isinstance(each, Path)]
         output = new_folder() if folder is None else Path(folder).resolve()
         name = study_name(output if folder is not None else _origin(given[0]))
-        found = write_study(drafted, output, name, reported, law, radius, leave_open=False)
+        found = write_study(drafted, output, name, reported, law, radius)
         return cls.of(found.study, [*messages, *found.remarks])
 
     def sentences(self) -> list[str]:
