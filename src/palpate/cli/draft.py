@@ -21,8 +21,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--law",
         type=_law,
-        help="law of the material, such as burgers_plasticity, or auto, with which the recordings choose among the laws of "
-        "a family (default: a law that suits the tests)",
+        help="law of the material, such as burgers_plasticity, or auto, with which the recordings choose among those "
+        "of a family (default: a law that suits the tests)",
     )
     parser.add_argument(
         "--sphere",

@@ -85,3 +85,9 @@ def _made(file: Path, family: str) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return found if isinstance(found, dict) and found.get(FAMILY) == family else {}
+
+
+def best_parameters(choice: Mapping[str, Any]) -> dict[str, float]:
+    """Return the parameters with which the chosen law fits the recordings best, by name."""
+    (chosen,) = (row for row in choice["candidates"] if row["law"] == choice["law"])
+    return {name: float(found["estimate"]) for name, found in chosen["parameters"].items()}

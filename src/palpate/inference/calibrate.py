@@ -43,6 +43,7 @@ def calibrate(
     rng: np.random.Generator,
     settings: CalibrationSettings | None = None,
     report: Callable[[str], None] = print,
+    begin: Sequence[Mapping[str, float]] = (),
 ) -> CalibrationOutcome:
     """Calibrate the parameters on the conditions of a problem.
 
@@ -65,6 +66,8 @@ def calibrate(
         Source of all randomness.
     report
         Called with one line on the progress.
+    begin
+        Parameters by name from which least squares may begin, before those that the genetic search finds.
 
     Raises
     ------
@@ -82,7 +85,7 @@ def calibrate(
     model = Surrogates({name: surrogates[name] for name in problem.recorded if name in surrogates}, bounds)
     first = genetic_search(model, fitted, rng, settings)
     report(f"genetic search: {first.evaluations} evaluations")
-    problem, fit = base_fit(problem, settings, first.starts, rng, report)
+    problem, fit = base_fit(problem, settings, [*begin, *first.starts], rng, report)
     report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
     found, solved = intervals(fit), _simulated(problem, fit, report)
     table = condition_errors(problem.recorded, solved)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from palpate.configuration.chosen_law import best_parameters
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.data.study_recordings import observations
@@ -169,6 +170,7 @@ def calibrate_study(
         rng=np.random.default_rng(study.seed),
         settings=study.calibration,
         report=report,
+        begin=[best_parameters(study.choice)] if study.choice else [],
     )
 
 
