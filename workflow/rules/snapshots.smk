@@ -16,9 +16,8 @@ rule snapshots:
     params:
         curves=lambda wildcards: batches()[wildcards.batch].identity,
     message:
-        "snapshots {wildcards.batch}" + (
-            "" if STUDY.family else f", one of {len(planned(''))} batches"
-        )
+        "snapshots {wildcards.batch}"
+        + ("" if STUDY.family else f", one of {len(planned(''))} batches")
     script:
         "../../scripts/snapshots.py"
 
