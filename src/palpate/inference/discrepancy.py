@@ -188,7 +188,9 @@ class Discrepancy:
         of_law
             Whether only what obeys the scaling law counts.
         """
-        basis, columns = np.linalg.qr(tangent / self.scale[:, None])[0], self.columns / self.scale[:, None]
+        # A test that a distant model lifts off has no depth to be a share of, and no column.
+        share = np.divide(1.0, self.scale, out=np.zeros_like(self.scale), where=self.scale > 0.0)[:, None]
+        basis, columns = np.linalg.qr(share * tangent)[0], share * self.columns
         squares = np.mean((columns - basis @ (basis.T @ columns)) ** 2, axis=0)
         squares[self.common.shape[1] if of_law else len(squares) :] = 0.0
         found = [SHARES * np.sqrt(self.deviations(own, kind) ** 2 @ squares) for kind, own in SHAPES]
