@@ -12,7 +12,7 @@ from studies.claims.sets import Case
 
 
 def main(snakemake):
-    smallest = load_study(Path(snakemake.input.study)).diagnosis["smallest_effect"]
+    smallest = load_study(Path(snakemake.input.study)).diagnosis.smallest_effect
     cases = {values["name"]: Case(**values) for file in snakemake.input.truths for values in read_json(file)}
     stated = [each for file in snakemake.input.diagnoses for each in read_json(file)]
     table = pd.DataFrame([score.row(cases[each["name"]], each, smallest) for each in stated])
