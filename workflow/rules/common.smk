@@ -209,7 +209,7 @@ if workflow.is_main_process:
     console.announce(
         console.Plan(
             Path(FOLDER),
-            job_seconds(STUDY, len(store.plan(STUDY))),
+            job_seconds(STUDY, len(planned(""))),
             workflow.resource_settings.cores or 1,
             lambda: set(workflow.dag_settings.targets) <= {"all"},
         )

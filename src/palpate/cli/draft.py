@@ -66,8 +66,8 @@ def run(arguments: argparse.Namespace) -> int:
     with located_in(arguments.files[0]):
         columns = ColumnMap.stated(arguments.columns, arguments.units)
     tests = readable(arguments.files, warn, arguments.contact, arguments.corrections, columns)
-    law, name = None if arguments.law == AUTO else arguments.law, study_name(arguments.output)
-    leave_open = arguments.law == AUTO
+    leave_open, name = arguments.law == AUTO, study_name(arguments.output)
+    law = None if leave_open else arguments.law
     found = write_study(tests, arguments.output, name, warn, law, arguments.sphere, leave_open=leave_open)
     for remark in found.remarks:
         warn(remark)

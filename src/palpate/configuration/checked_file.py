@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from palpate.base.parameters import is_finite_number
-from palpate.configuration.declaration import REFUSED, UNKNOWN
+from palpate.configuration.declaration import REFUSED
 from palpate.configuration.study_sections import StudyFile
 from palpate.errors import InputError
 from palpate.study.protocol import DISPLACEMENT
@@ -39,6 +39,7 @@ LENGTHS = {"too_short": "{min_length} or more", "too_long": "{max_length} or few
 LONGEST = 60  # letters of a value in a message
 WITHOUT_LENGTH = ("cubic", "linear")  # kernels of which a length changes the weights, and not the interpolant
 NUMBERED = ("source", "contact")  # a table whose keys may be numbers, those of tests
+UNKNOWN, MISSING = "extra_forbidden", "missing"  # types of errors of a key
 OF_A_KEY = "[key]"  # last part of a place, where not the value but its key is wrong
 
 
@@ -70,32 +71,33 @@ def _first_problem(error: ValidationError) -> InputError:
     problems = [(_path(each), each) for each in error.errors(include_url=False)]
     path, first = min(problems, key=lambda each: ([str(part) for part in each[0]], each[1]["type"] != UNKNOWN))
     place, facts = _place(path), first.get("ctx", {})
+    declared, remedy = _declared(path)
     if first["type"] == UNKNOWN:
-        place = f"{place}.{facts['key']}".lstrip(".")
-        if facts["removed"]:
-            return InputError(f"{facts['key']} was removed: {facts['removed']}", remedy="take it out", place=place)
-        problem = f"unknown key {facts['key']!r}{suggestion(facts['key'], facts['known'])}"
-        return InputError(problem, remedy=f"use one of: {', '.join(facts['known'])}", place=place)
+        key, known = str(first["loc"][-1]), list(declared.model_fields)
+        place = f"{place}.{key}".lstrip(".")
+        if key in declared.removed:
+            return InputError(f"{key} was removed: {declared.removed[key]}", remedy="take it out", place=place)
+        problem = f"unknown key {key!r}{suggestion(key, known)}"
+        return InputError(problem, remedy=f"use one of: {', '.join(known)}", place=place)
     if first["type"] == REFUSED:
         place = ".".join(filter(None, (place, facts["place"])))
         return InputError(facts["problem"], remedy=facts["remedy"], place=place)
-    declared, remedy = _declared(path)
     section = next(iter(path), "the keys")
     problem = _problem(first["type"], facts, first["input"], first["loc"], declared)
     return InputError(problem, remedy=remedy or f"see {section} in {REFERENCE}", place=place or "top level")
 
 
 def _path(error: Mapping[str, Any]) -> tuple[str | int, ...]:
-    """Return the place of an error: of a key that is missing or not allowed, that of its table."""
+    """Return the place of an error: of a key that is missing or not known, that of its table."""
     at: tuple[str | int, ...] = error["loc"]
     if at and at[-1] == OF_A_KEY:
         return at[:-2]
-    return at[:-1] if error["type"] == "missing" else at
+    return at[:-1] if error["type"] in (UNKNOWN, MISSING) else at
 
 
 def _problem(kind: str, facts: Mapping[str, Any], given: Any, at: tuple[str | int, ...], declared: Any) -> str:
     """Return in a sentence what the declaration does not allow."""
-    if kind == "missing":
+    if kind == MISSING:
         return f"the key {at[-1]!r} is missing"
     value = "nothing" if given is None else json.dumps(given, default=str, ensure_ascii=False, skipkeys=True)
     value = value if len(value) <= LONGEST else f"{value[:LONGEST]} ..."

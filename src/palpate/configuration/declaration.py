@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 from palpate.base.yaml_file import EXPONENT
 
-UNKNOWN, REFUSED = "unknown_key", "refused"  # types of errors besides those of the library
+REFUSED = "refused"  # type of an error besides those of the library
 
 
 def refused(problem: str, remedy: str, place: str = "") -> PydanticCustomError:
@@ -22,21 +22,10 @@ def refused(problem: str, remedy: str, place: str = "") -> PydanticCustomError:
 
 
 class Section(BaseModel):
-    """A table of keys: unknown ones are refused, values are neither converted nor changed later."""
+    """A table of keys: unknown ones are refused, no type is taken for another, and nothing changes later."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
     removed: ClassVar[dict[str, str]] = {}  # keys that there were once, and what to know of each
-
-    @model_validator(mode="before")
-    @classmethod
-    def _knows_its_keys(cls, given: Any) -> Any:
-        """Refuse the first key that is not declared, before those that are missing, which it may be meant for."""
-        if isinstance(given, dict) and cls.model_config.get("extra") == "forbid":
-            for name in given:
-                if name not in cls.model_fields:
-                    known = {"key": name, "known": list(cls.model_fields), "removed": cls.removed.get(name, "")}
-                    raise PydanticCustomError(UNKNOWN, "{key}", known)
-        return given
 
 
 def key(meaning: str, default: Any = ..., *, accepted: str = "", remedy: str = "", **limits: Any) -> Any:
@@ -47,7 +36,7 @@ def key(meaning: str, default: Any = ..., *, accepted: str = "", remedy: str = "
     meaning
         For docs/study.md (Markdown).
     default
-        None at all where the key is required.
+        Of a key that may be left out; others are required.
     accepted
         What it takes, for docs/study.md, where type and limits do not say it.
     remedy
