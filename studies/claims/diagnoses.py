@@ -10,7 +10,7 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.diagnose import diagnose
-from palpate.diagnosis.diagnosis_result import material_parameters, mechanism_parameters
+from palpate.diagnosis.diagnosis_result import material_parameters, mechanism_parameters, over_all_sets
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.nothing_further import SHOWN
 from palpate.diagnosis.search import Search
@@ -32,7 +32,8 @@ def diagnosed(case: Case, study: Study) -> dict[str, Any]:
     own = replace(
         study, conditions=case.conditions, calibration=study.calibration.model_copy(update={"solver_error": 0.0})
     )
-    found = diagnose(Search(own, problem, KEYS, np.random.default_rng(case.seed)), lambda line: None)
+    search = Search(own, problem, KEYS, np.random.default_rng(case.seed))
+    found = diagnose(search, lambda line: None)
     best = (found.accepted[0] if found.accepted else found.base).fit
     draws = posterior_draws(best)
     law = discrepancy(best) or {}
@@ -48,6 +49,7 @@ def diagnosed(case: Case, study: Study) -> dict[str, Any]:
         "family_inclusion": {key: p for key, p in found.family_inclusion.items() if p >= SHOWN},
         "nothing_further": sum(p for members, p in found.all_sets.items() if members <= named),
         "material": material_parameters(best, draws, explained=True),
+        "over_all_sets": over_all_sets(found, search.screen, np.random.default_rng(case.seed)),
         "amplitudes": mechanism_parameters(best, draws),
         "law": {name: law[name] for name in ("share", "lower", "upper", "class", "class_probabilities") if name in law},
         "fits": len(found.tried),

@@ -3,8 +3,10 @@
 A claim is an answer with a mechanism of an instrument or of a length; one with a mechanism that changes the law may
 stand in for a law that is not right, and is counted by itself. An effect acts in a set if it changes the mean depth of
 some part of a test by more than the smallest effect, see `palpate.diagnosis.effect_size`; one that was planted and is
-smaller counts neither way. A wrong name is a mechanism of an instrument or of a length that is named, was not planted,
-and is no special or general case of one that was.
+smaller counts neither way. It is strong if a refit of the material leaves at least the smallest effect of it, and at
+least as much as of what no library holds: neither the parameters nor a discrepancy of that size reproduce it. A wrong
+name is a mechanism of an instrument or of a length that is named, was not planted, and is no special or general case
+of one that was.
 """
 
 from __future__ import annotations
@@ -24,12 +26,11 @@ from studies.blind_trial.score import proportion
 from studies.claims.body import KEYS, recorded
 from studies.claims.departures import DEPARTURES
 from studies.claims.diagnoses import posed
-from studies.claims.sets import Case
+from studies.claims.sets import Case, left_by_refit
 from studies.coverage.creep import burgers
 from studies.coverage.score import wilson
 
 LAWS = {"second_voigt"}  # it may stand in for a law that is not quite right
-STRONG = 3.0  # times the smallest effect, from which on an effect is strong
 BETWEEN = (0.05, 0.95)  # probabilities whose calibration is asked for
 CLASSES = ("scaling", "length", "clock", "reversal", "none")
 FLOOR = 1e-3  # least probability that a score counts
@@ -37,17 +38,20 @@ FLOOR = 1e-3  # least probability that a score counts
 
 def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any]:
     """Return what one set contributes."""
-    sizes = planted_sizes(case)
+    sizes, strong = planted_sizes(case), are_strong(case, smallest)
     acting = {key for key, size in sizes.items() if size > smallest}
     alike = {
         other for key in sizes for other in MECHANISMS if {key, *MECHANISMS[key].includes} & {other, *_included(other)}
     }
     named, candidates = set(stated["named"]), [set(each) for each in stated["candidates"]]
-    held = [
-        low <= case.parameters[name] <= high
-        for name, low, high in _intervals(stated["material"])
-        if case.kind == "none" or name == "youngs_modulus"  # of another law only the elastic part is known
-    ]
+    held, held_over_all = (
+        [
+            low <= case.parameters[name] <= high
+            for name, low, high in _intervals(stated[of])
+            if case.kind == "none" or name == "youngs_modulus"  # of another law only the elastic part is known
+        ]
+        for of in ("material", "over_all_sets")
+    )
     amplitudes = [
         low <= case.mechanisms[key][name] <= high
         for full, low, high in _intervals(stated["amplitudes"])
@@ -62,7 +66,7 @@ def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any
         "misfit": case.misfit,
         "planted": len(sizes),
         "acting": "+".join(sorted(acting)),
-        "largest": max(sizes.values(), default=0.0),
+        "strong": bool(strong) and all(strong.values()),
         "verdict": stated["verdict"],
         "answer": " | ".join("+".join(sorted(each)) for each in candidates),
         "claims": any(each - LAWS for each in candidates),
@@ -72,6 +76,7 @@ def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any
         "among_two": bool(acting) and any(acting <= each | (alike & each) for each in candidates[:2]),
         "of_material": len(held),
         "held": sum(held),
+        "held_over_all_sets": sum(held_over_all),
         "of_amplitudes": len(amplitudes),
         "amplitudes_held": sum(amplitudes),
         "discrepancy_holds": bool(
@@ -84,30 +89,50 @@ def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any
 
 
 def inclusions(case: Case, stated: Mapping[str, Any], smallest: float) -> list[dict[str, Any]]:
-    """Return the stated probability of each family, and whether one of its mechanisms acts.
+    """Return the stated probability of each family, whether one of its mechanisms acts, and whether that is strong.
 
     Those that were planted and are too small are left out, and creep, which may stand in for a law that is not right.
     """
-    sizes, found = planted_sizes(case), []
+    sizes, strong, found = planted_sizes(case), are_strong(case, smallest), []
     for family in sorted({MECHANISMS[key].family for key in KEYS}):
         of = [size for key, size in sizes.items() if MECHANISMS[key].family == family]
         if (of and max(of) <= smallest) or (family == "creep" and case.kind == "scaling"):
             continue
         stated_as = stated["family_inclusion"].get(family, 0.0)
-        found.append({"name": case.name, "kind": case.kind, "family": family, "stated": stated_as, "acts": bool(of)})
+        clear = any(yes for key, yes in strong.items() if MECHANISMS[key].family == family)
+        row = {"name": case.name, "kind": case.kind, "family": family, "stated": stated_as}
+        found.append(row | {"acts": bool(of), "strong": clear})
     return found
 
 
 def planted_sizes(case: Case) -> dict[str, float]:
     """Return by how much each planted mechanism changes the mean depth of some part of a test [-]."""
     problem, solid, found = posed(case), burgers(**case.parameters), dict[str, float]()
-    whole = [recorded(solid, each.protocol, case.mechanisms) for each in case.conditions]
+    whole = np.concatenate([recorded(solid, each.protocol, case.mechanisms) for each in case.conditions])
+    for key, change in _changes(case).items():
+        found[key] = max(abs(float(weights @ change)) for weights in parts(problem, whole))
+    return found
+
+
+def are_strong(case: Case, smallest: float) -> dict[str, bool]:
+    """Return for each planted mechanism whether it is strong."""
+    least = max(smallest, case.misfit)
+    return {
+        key: left_by_refit(case.conditions, case.parameters, change) >= least for key, change in _changes(case).items()
+    }
+
+
+def _changes(case: Case) -> dict[str, np.ndarray]:
+    """Return by how much each planted mechanism changes the depths (n_all,) under all conditions [nm]."""
+    solid, found = burgers(**case.parameters), dict[str, np.ndarray]()
     for key in case.mechanisms:
         others = {name: values for name, values in case.mechanisms.items() if name != key}
-        change = np.concatenate(
-            [a - recorded(solid, each.protocol, others) for a, each in zip(whole, case.conditions, strict=True)]
+        found[key] = np.concatenate(
+            [
+                recorded(solid, each.protocol, case.mechanisms) - recorded(solid, each.protocol, others)
+                for each in case.conditions
+            ]
         )
-        found[key] = max(abs(float(weights @ change)) for weights in parts(problem, np.concatenate(whole)))
     return found
 
 
@@ -116,14 +141,16 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for kind, part in [("all", table), *table.groupby("kind")]:
         null, acting = part[part["planted"] == 0], part[part["acting"] != ""]
-        strong = acting[acting["acting"].str.count(r"\+").add(1) == acting["planted"]]
+        strong = part[part["strong"]]
         rates = [
             ("claims where nothing is planted", null["claims"].sum(), len(null)),
             ("wrong names", part["wrong_name"].sum(), len(part)),
             ("a mechanism of the law stated in its place", part["stands_in"].sum(), len(part)),
             ("what acts named alone", acting["exact"].sum(), len(acting)),
-            ("what acts named or among the first two", strong["among_two"].sum(), len(strong)),
+            ("strong effects named alone", strong["exact"].sum(), len(strong)),
+            ("strong effects named or among the first two", strong["among_two"].sum(), len(strong)),
             ("intervals of material parameters hold the truth", part["held"].sum(), part["of_material"].sum()),
+            ("the same over all sets", part["held_over_all_sets"].sum(), part["of_material"].sum()),
             ("intervals of named amplitudes hold the truth", *part[["amplitudes_held", "of_amplitudes"]].sum()),
             ("the discrepancy's interval holds the misfit", part["discrepancy_holds"].sum(), len(part)),
         ]
@@ -138,7 +165,8 @@ def calibration(table: pd.DataFrame) -> dict[str, float]:
     -------
     dict
         `slope`, `lower`, `upper` of the logit of the truth over that stated, with its 95 % interval, of probabilities
-        within `BETWEEN`, of which there are `count`; `log_score`, `brier_score` of all, and those of the base rate.
+        within `BETWEEN`, of which there are `count`; `log_score`, `brier_score` of all, and those of the base rate; and
+        `strong`, the median of what was stated of families of which a strong effect acts.
     """
     stated, acts = table["stated"].to_numpy().clip(FLOOR, 1.0 - FLOOR), table["acts"].to_numpy(float)
     inner = (stated > BETWEEN[0]) & (stated < BETWEEN[1])
@@ -163,6 +191,7 @@ def calibration(table: pd.DataFrame) -> dict[str, float]:
         "log_score_of_rate": float(rate * np.log(rate) + (1.0 - rate) * np.log1p(-rate)),
         "brier_score": float(np.mean((acts - stated) ** 2)),
         "brier_score_of_rate": rate * (1.0 - rate),
+        "strong": float(table.loc[table["strong"], "stated"].median()),
     }
 
 

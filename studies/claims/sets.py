@@ -90,7 +90,8 @@ def draw(numbers: Iterable[int], seed: int) -> list[Case]:
         parameters = {name: log_uniform(rng, *ends) for name, ends in RANGES.items()}
         tests, noise = [drawn_test(rng) for _ in range(int(rng.choice(TESTS)))], drawn_noise(rng)
         own, misfit = int(rng.integers(2**31)), log_uniform(rng, *MISFIT) if departure else 0.0
-        left = _left(departure, tuple(condition(k, *test) for k, test in enumerate(tests)), parameters, own)
+        under = tuple(condition(k, *test) for k, test in enumerate(tests))
+        left = left_by_refit(under, parameters, np.concatenate(_changes(departure, under, parameters, own)))
         mechanisms = _mechanisms(EFFECTS[number // len(KINDS) % len(EFFECTS)], rng)
         scale = misfit / left if left > 0.0 else 0.0
         drawn = (departure, misfit, scale, parameters, mechanisms, tests, int(rng.choice(REPLICATES)), noise, own)
@@ -138,15 +139,16 @@ def _changes(
     return found
 
 
-def _left(departure: str, conditions: tuple[Condition, ...], parameters: Mapping[str, float], seed: int) -> float:
-    """Return the root mean square of what a refit leaves of a departure, to first order, as a share of the depth."""
+def left_by_refit(conditions: tuple[Condition, ...], parameters: Mapping[str, float], change: np.ndarray) -> float:
+    """Return the root mean square of what a refit of the material leaves of a change, as a share of the depth.
+
+    To first order. The change (n_all,) of the depths [nm] is that of all conditions, one after the other.
+    """
     model = BurgersSolid(conditions)
     (found,) = model.tangents([MATERIAL.scaled(parameters)])
     assert not isinstance(found, str)
     curves, slopes = found
-    depths = [curves[each.name] for each in conditions]
-    largest = np.concatenate([np.maximum.accumulate(curve) for curve in depths])
-    tangent = np.concatenate([slopes[each.name] for each in conditions]) / largest[:, None]
-    change = np.concatenate(_changes(departure, conditions, parameters, seed)) / largest
-    rest = change - tangent @ np.linalg.lstsq(tangent, change, rcond=None)[0]
+    largest = np.concatenate([np.maximum.accumulate(curves[each.name]) for each in conditions])
+    tangent, share = np.concatenate([slopes[each.name] for each in conditions]) / largest[:, None], change / largest
+    rest = share - tangent @ np.linalg.lstsq(tangent, share, rcond=None)[0]
     return float(np.sqrt(np.mean(rest**2)))

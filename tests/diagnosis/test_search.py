@@ -69,6 +69,15 @@ def test_probabilities_are_those_of_evidence_times_prior_over_all_sets():
     assert found[frozenset({"adhesion"})] == pytest.approx(expected[2])
 
 
+def test_evidence_counts_to_its_power_and_the_prior_in_full():
+    found = Explanations(10, power=0.5)
+    for keys, evidence in {"": 0.0, "friction": 12.0}.items():
+        found.add(candidate(keys, evidence))
+    chances = found.probabilities()
+    odds = chances[frozenset({"friction"})] / chances[frozenset()]
+    assert odds == pytest.approx(np.exp(6.0 + log_prior(1, 10) - log_prior(0, 10)))
+
+
 def test_a_set_that_an_exact_law_contradicts_has_no_probability():
     found = Explanations(10)
     found.add(candidate("", 0.0))

@@ -81,7 +81,8 @@ def test_a_mechanism_that_joins_acts_as_in_the_laboratory():
 def test_scores_find_answers_that_are_calibrated_and_those_that_are_not():
     rng = np.random.default_rng(1)
     logits = rng.normal(0.0, 1.5, 4000)
-    table = pd.DataFrame({"stated": expit(logits), "acts": rng.random(4000) < expit(logits)})
+    acts = rng.random(4000) < expit(logits)
+    table = pd.DataFrame({"stated": expit(logits), "acts": acts, "strong": acts})
     right = score.calibration(table)
     assert right["lower"] < 1.0 < right["upper"]
     assert right["log_score"] > right["log_score_of_rate"]
@@ -96,6 +97,7 @@ def test_a_name_is_wrong_unless_it_or_its_special_or_general_case_was_planted():
         "verdict": "identified",
         "candidates": [["thermal_drift"]],
         "material": {},
+        "over_all_sets": {},
         "amplitudes": {},
         "law": {},
         "nothing_further": 1.0,
@@ -103,3 +105,17 @@ def test_a_name_is_wrong_unless_it_or_its_special_or_general_case_was_planted():
     }
     for named, wrong in (["thermal_drift"], False), (["nonsteady_drift"], False), (["frame_compliance"], True):
         assert score.row(case, {**stated, "named": named}, 0.003)["wrong_name"] is wrong
+
+
+def test_an_effect_is_strong_unless_the_parameters_or_what_departs_do_the_same():
+    """The angle of the only tip is a change of the stiffness; a drift is not, until what departs is larger."""
+    (case,) = (each for each in draw([30], SEED))
+    case = replace(
+        case,
+        kind="none",
+        departure="",
+        misfit=0.0,
+        mechanisms={"thermal_drift": {"rate": 2.0}, "tip_angle": {"half_angle": 71.3}},
+    )
+    assert score.are_strong(case, 0.003) == {"thermal_drift": True, "tip_angle": False}
+    assert not any(score.are_strong(replace(case, misfit=1.0), 0.003).values())

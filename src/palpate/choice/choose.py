@@ -30,6 +30,7 @@ from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.solid import Solid
 from palpate.errors import InputError, PalpateError
+from palpate.inference.discrepancy import power_of_evidence
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.starting_places import scattered
@@ -180,12 +181,13 @@ def _content(study: Study, fitted: list[Judged], others: list[Judged]) -> dict[s
     """Return the content of ``law.json``."""
     counted = [each for each in fitted if each.fitted]
     evidence = np.array([each.log_evidence for each in counted])
-    probability = dict(zip([each.law for each in counted], np.exp(evidence - logsumexp(evidence)), strict=True))
     best = max(counted, key=lambda each: (each.log_evidence > evidence.max() - TIE, -_size(each), each.log_evidence))
+    assert best.fit is not None
+    weights = power_of_evidence(best.fit.errors.law) * evidence
+    probability = dict(zip([each.law for each in counted], np.exp(weights - logsumexp(weights)), strict=True))
     ranked = [best, *sorted((e for e in counted if e is not best), key=lambda each: -each.log_evidence)]
     rows = [_row(each, probability.get(each.law)) for each in [*ranked, *(e for e in fitted if not e.fitted), *others]]
     second = rows[1] if len(ranked) > 1 else None
-    assert best.fit is not None
     return {
         "study": study.name,
         "family": study.family,

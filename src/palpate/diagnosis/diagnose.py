@@ -22,6 +22,7 @@ from palpate.diagnosis.explanations import (
 from palpate.diagnosis.search import Candidate, Search
 from palpate.diagnosis.side_by_side import ExplanationToTry, ParallelFits
 from palpate.errors import PalpateError
+from palpate.inference.discrepancy import power_of_evidence
 from palpate.inference.explanation import Fit
 from palpate.mechanisms import MECHANISMS
 
@@ -50,6 +51,8 @@ class DiagnosisOutcome:
     all_sets
         Probability of every set of mechanisms that they, and no others, act by more than the smallest effect, the
         likeliest first.
+    sets
+        The fits and estimates from which that follows.
     tried
         Every explanation that was fitted, best first.
     failed
@@ -62,6 +65,7 @@ class DiagnosisOutcome:
     accepted: list[Candidate]
     probabilities: list[float]
     all_sets: Mapping[Members, float]
+    sets: Explanations
     tried: list[Candidate]
     failed: Mapping[str, str] = field(default_factory=dict)
 
@@ -97,7 +101,7 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         report(f"{key}: {reason}")
     base = search.base
     report(f"base model: log evidence {base.fit.log_evidence:.1f}")
-    found = Explanations(len(search.screen.keys))
+    found = Explanations(len(search.screen.keys), power_of_evidence(base.fit.errors.law))
     found.add(base)
     with ParallelFits(search) as fits:
         _explore(fits, found, failed, report)
@@ -140,7 +144,8 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
     def behind(each: ExplanationToTry) -> float:
         """Return by how much the weight of a set may lie behind the best one where it is worth a fit."""
         linear = not search.problem.is_simulated(each.key)
-        return -np.log(policy.negligible_if_linear) if linear else policy.rough - np.log(policy.negligible)
+        rough = found.power * policy.rough
+        return -np.log(policy.negligible_if_linear) if linear else rough - np.log(policy.negligible)
 
     def promise(each: ExplanationToTry) -> float:
         """Return the weight of a set, or of the likeliest larger one that only a fit of this one leads to."""
@@ -214,7 +219,7 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     within = [found.fitted[m].within(settings.tolerance, settings.significance) for m in group]
     whole = float(np.average(within, weights=[probabilities[m] for m in group]))
     tolerated = False if whole < 1.0 - LIKELIER else True if whole >= SURE else "undecided"
-    undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, tried, failed)
+    undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, found, tried, failed)
     certain = max(undecided.family_inclusion.values(), default=0.0) >= policy.certain
     if tolerated is False and (base.fit.errors.law is None or not certain):
         return replace(undecided, verdict="unexplained")

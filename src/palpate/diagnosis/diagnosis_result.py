@@ -18,6 +18,7 @@ from palpate.diagnosis.locate import CERTAIN, Residuals
 from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import Account, discriminating_test
 from palpate.diagnosis.nothing_further import nothing_further
+from palpate.diagnosis.over_sets import draws_over_sets
 from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Candidate
@@ -68,8 +69,14 @@ def summary(values: np.ndarray, best: float) -> dict[str, float]:
 
     A value at a limit lies outside of the quantiles of draws within it.
     """
+    found = interval(values)
+    return {**found, "lower": min(found["lower"], best), "upper": max(found["upper"], best)}
+
+
+def interval(values: np.ndarray) -> dict[str, float]:
+    """Return the median of draws, and the interval that holds 95 % of them."""
     lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5])
-    return {"estimate": float(estimate), "lower": float(min(lower, best)), "upper": float(max(upper, best))}
+    return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
 
 
 def curves(
@@ -170,6 +177,13 @@ def _accepted(
     }
 
 
+def over_all_sets(diagnosis: DiagnosisOutcome, screen: Screen, rng: np.random.Generator) -> dict[str, dict[str, float]]:
+    """Return median and 95 % interval of each free material parameter, whichever mechanisms act."""
+    draws = draws_over_sets(diagnosis.sets, screen, rng)
+    free = diagnosis.base.fit.coordinates.free
+    return {each.name: interval(each.physical(column)) for each, column in zip(free, draws.T, strict=True)}
+
+
 def _pattern(
     study: Study, base: Candidate, residuals: Residuals, location: Sequence[Mapping[str, Any]], screen: Screen
 ) -> str | None:
@@ -263,7 +277,7 @@ def to_mapping(
         ],
         "discriminating_test": _next_test(study, diagnosis, [*draws, of_base], screen.keys),
         "fit": errors_before_after(table),
-        "parameters": {"before": before, "after": after},
+        "parameters": {"before": before, "after": after, "over_all_sets": over_all_sets(diagnosis, screen, rng)},
         "tried": [_tried(candidate, diagnosis) for candidate in diagnosis.tried],
         "noise": {name: float(np.sqrt(v)) for name, v in noise.variances.items()}
         | {"sigma_nm": noise.sigma.tolist(), "autocorrelation": noise.autocorrelation.tolist()},

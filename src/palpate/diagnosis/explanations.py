@@ -3,6 +3,9 @@
 A set has the evidence of its fit, or one to first order where it is not worth a fit, and a prior: the number of effects
 is beta-binomial with as much probability for none as for all others together, and sets of one size are equally
 probable. The sets are an odds table, so all of them share one sum, the empty set among them.
+
+Evidence counts to a power below one where the law is not taken to be exact, see
+`palpate.inference.discrepancy.power_of_evidence`.
 """
 
 from __future__ import annotations
@@ -37,6 +40,8 @@ class Explanations:
     ----------
     considered
         Number of mechanisms.
+    power
+        Of the evidence.
     fitted
         The best fit of each set, by its mechanisms.
     estimated
@@ -48,6 +53,7 @@ class Explanations:
     """
 
     considered: int
+    power: float = 1.0
     fitted: dict[Members, Candidate] = field(default_factory=dict)
     estimated: dict[Members, tuple[Members, float]] = field(default_factory=dict)
     exchanged: dict[Members, tuple[Members, float]] = field(default_factory=dict)
@@ -100,10 +106,10 @@ class Explanations:
         return self.fitted[fitted].fit.log_evidence + gain
 
     def log_weight(self, members: Members) -> float:
-        """Return the logarithm of evidence times prior of a set."""
+        """Return the logarithm of a power of a set's evidence times its prior."""
         contradicted = members in self.fitted and self.fitted[members].contradicts
         found = -np.inf if contradicted else self._log_evidence(members)
-        return found + log_prior(len(members), self.considered)
+        return self.power * found + log_prior(len(members), self.considered)
 
     def probabilities(self) -> dict[Members, float]:
         """Return the probability of every set, the likeliest first.

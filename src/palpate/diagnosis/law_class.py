@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 from scipy.special import logsumexp
 
-from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN
+from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, power_of_evidence
 from palpate.inference.estimates import law_discrepancy
 from palpate.inference.explanation import DENSITY_ONE, Fit
 from palpate.inference.marginal import Marginal
@@ -69,8 +69,8 @@ def law_class(fit: Fit) -> dict[str, Any]:
         found[kind] = _log_evidence(marginal, density, of_kind)
     exact = Marginal.of(replace(fit.modes, discrepancy=None), columns)
     found["none"] = float(exact.log_densities(DENSITY_ONE)[0])
-    total = logsumexp(list(found.values()))
-    probabilities = {name: float(np.exp(value - total)) for name, value in found.items()}
+    weights = power_of_evidence(fit.errors.law) * np.array(list(found.values()))
+    probabilities = dict(zip(found, np.exp(weights - logsumexp(weights)).tolist(), strict=True))
     best = max(probabilities, key=lambda name: probabilities[name])
     certain = probabilities[best] >= 0.5 and (best == "none" or _tells(fit.problem))
     return {"class": best if certain else "undetermined", "class_probabilities": probabilities}

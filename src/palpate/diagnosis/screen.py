@@ -98,7 +98,7 @@ class Screen:
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
         found = []
-        for number, variances in enumerate(self._prior_variances(fit, key)):
+        for number, variances in enumerate(self.prior_variances(fit, key)):
             trial = marginal.of_columns([*range(first), first + number])
             for weight, variance in variances:
                 shared = np.append(np.full(k, DENSITY_ONE), variance)
@@ -112,7 +112,7 @@ class Screen:
         mass = fit.problem.coordinates((key,)).log_mass(fit.problem.material)
         return fit.log_evidence + float(logsumexp(found)) - np.log(count) - float(without) - mass
 
-    def _prior_variances(self, fit: Fit, key: str) -> list[list[tuple[float, float]]]:
+    def prior_variances(self, fit: Fit, key: str) -> list[list[tuple[float, float]]]:
         """Return the logarithms of weights and the variances that make the prior of the coefficient of each trial.
 
         Where the amplitude is even over the range, its mean square about the neutral value is a third of the square of

@@ -111,14 +111,17 @@ class Answer:
     def parameters(self) -> list[dict[str, Any]]:
         """Free parameters of the accepted model in the law's order.
 
-        Keys are name, unit, estimate, lower, upper, identified, and before, the entry of the base model.
+        Keys are name, unit, estimate, lower, upper, identified, before, the entry of the base model, and over_all_sets,
+        the entry whichever effects act; None where that is not known.
         """
         accepted = self.diagnosis.parameters if self.diagnosis else self.calibration.parameters
+        whichever = self.diagnosis.over_all_sets if self.diagnosis else {}
         base = self.calibration.parameters
         return [
             {"name": name, "unit": self.saved.quantity(name).unit}
             | {key: entry[key] for key in ("estimate", "lower", "upper", "identified")}
             | {"before": {key: base[name][key] for key in ("estimate", "lower", "upper")}}
+            | {"over_all_sets": whichever.get(name)}
             for name, entry in accepted.items()
             if not base[name]["held"]
         ]

@@ -90,6 +90,12 @@ class Diagnosis(Shown):
         return {name: free.get(name, entry) for name, entry in base.items()}
 
     @property
+    def over_all_sets(self) -> Mapping[str, Mapping[str, float]]:
+        """Estimate, lower and upper (95 % interval) of each free material parameter, whichever effects act."""
+        found: Mapping[str, Mapping[str, float]] = self.content["parameters"].get("over_all_sets", {})
+        return found
+
+    @property
     def effects(self) -> list[dict[str, Any]]:
         """Amplitudes of the best explanation: name (``key.parameter``), estimate, lower, upper, unit, probability.
 
