@@ -84,7 +84,7 @@ def test_how_far_the_law_is_off_is_said_with_what_it_resembles_and_the_tolerance
 
 def test_what_remains_open_is_said_with_its_probability():
     said = sentence(content("identified", DRIFT))
-    assert "nothing further of the library acts has a probability of 90 %; most likely hidden: friction." in said
+    assert "nothing further of the library acts has a probability of 90 %; most likely hidden: friction (6 %)." in said
 
 
 def test_where_no_part_is_significant_the_pattern_that_rejected_the_base_model_is_named():

@@ -68,7 +68,11 @@ def diagnosis(verdict="identified", candidates=None, **more):
             "validate": {"before_rmse_nm": 8.61, "after_rmse_nm": 5.42},
             "noise_nm": 2.1,
         },
-        "parameters": {"before": {"youngs_modulus": after}, "after": {"youngs_modulus": after}},
+        "parameters": {
+            "before": {"youngs_modulus": after},
+            "after": {"youngs_modulus": after},
+            "over_all_sets": {"youngs_modulus": {"estimate": 3.31, "lower": 3.15, "upper": 3.48}},
+        },
         "tried": [with_drift | {"parameters": {"thermal_drift.rate": 0.113}, "material": {}}, base],
         "limits": ["One limit."],
         "undetected_effects": {},

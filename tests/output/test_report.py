@@ -65,6 +65,9 @@ def test_the_page_is_complete_without_scripts_and_small(page):
     assert not re.search(r'(src|href)="https?:', shown)
 
 
+DRIFTED = {"estimate": 3.304, "lower": 3.22, "upper": 3.40, "identified": True}
+
+
 def test_curves_on_the_page_are_those_of_the_results(page):
     (data,) = re.findall(r'<script type="application/json" id="curves">(.*?)</script>', page, re.DOTALL)
     (first, second) = json.loads(data)["lab"]
@@ -84,6 +87,13 @@ def test_recordings_without_a_diagnosis_have_a_page(tmp_path):
     page = without_scripts(page_of(tmp_path, saved(tmp_path, synthetic=False)))
     assert "Calibrated, not diagnosed" in page and "Explanations" not in page
     assert "Parameters of the base model" in page
+
+
+def test_the_first_screen_says_what_is_known_whichever_effects_act(tmp_path):
+    page = without_scripts(page_of(tmp_path, saved(tmp_path, diagnosis())))
+    assert "whichever effects act (95 %)" in page and "3.31 (3.15 to 3.48)" in page
+    older = diagnosis(parameters={when: {"youngs_modulus": DRIFTED} for when in ("before", "after")})
+    assert "whichever" not in without_scripts(page_of(tmp_path, saved(tmp_path, older)))
 
 
 def test_report_json_holds_the_first_screen(tmp_path):

@@ -98,6 +98,16 @@ def test_every_verdict_has_its_words(tmp_path, verdict, headline, open_):
     assert (answer.headline, dict(answer.facts())["What is open"]) == (headline, open_)
 
 
+@pytest.mark.parametrize(
+    ("alone", "headline"),
+    [(0.97, "No effect is missing"), (0.8, "No effect is needed"), (0.3, "Friction likely (61 %), not certain")],
+)
+def test_an_adequate_model_does_not_hide_an_effect_that_is_likelier_than_none(tmp_path, alone, headline):
+    hidden = [{"mechanism": "friction", "probability": 0.61 if alone < 0.5 else 0.1, "parameters": {}}]
+    further = {"probability": alone, "hidden": hidden, "may_cover": {}}
+    assert Answer(saved(tmp_path, diagnosis("adequate", nothing_further=further))).headline == headline
+
+
 def test_recordings_that_were_not_diagnosed_say_so(tmp_path):
     answer = Answer(saved(tmp_path))
     assert answer.headline == "Calibrated, not diagnosed"

@@ -12,6 +12,7 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS, Mechanism
 
 RISEN = 1.05  # ratio of errors from which they are reported to rise
+LIKELIER = 0.5  # probability that nothing further acts, below which an effect is likelier
 WORTH_NAMING = 0.05  # inclusion from which on a hidden mechanism is named
 
 
@@ -20,7 +21,9 @@ def sentence(content: Mapping[str, Any]) -> str:
     verdict, law = content["verdict"], _law(content)
     if verdict == "adequate":
         claim = "The base model describes the recordings; no effect of the library is needed beside it."
-        if content["law_within_tolerance"] is not True:
+        if content["nothing_further"]["probability"] < LIKELIER:
+            claim = "That the base model describes the recordings alone is not excluded, but an effect beside it is likelier."
+        elif content["law_within_tolerance"] is not True:
             claim = "No effect of the library is certain, nor that the base model describes the recordings without one."
         return f"{claim}{law}{_open(content)}{_next_test(content, _hidden(content))}"
     if verdict == "unexplained":
@@ -70,7 +73,9 @@ def _open(content: Mapping[str, Any]) -> str:
     """Return how probable it is that nothing further acts, and what may hide."""
     found = content["nothing_further"]
     hidden = [
-        MECHANISMS[each["mechanism"]].title for each in found["hidden"][:2] if each["probability"] >= WORTH_NAMING
+        f"{MECHANISMS[each['mechanism']].title} ({percent(each['probability'])})"
+        for each in found["hidden"][:2]
+        if each["probability"] >= WORTH_NAMING
     ]
     may = f"; most likely hidden: {' or '.join(hidden)}" if hidden else ""
     return f" That nothing further of the library acts has a probability of {percent(found['probability'])}{may}."

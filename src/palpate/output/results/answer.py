@@ -13,12 +13,11 @@ from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS
 from palpate.output.results.bulk_errors import bulk_facts, without_curves
 from palpate.output.results.calibration import Calibration
-from palpate.output.results.diagnosis import Diagnosis, effect_sentence, quantity_in_words
+from palpate.output.results.diagnosis import SETTLED, Diagnosis, effect_sentence, quantity_in_words
 from palpate.output.results.imprint_errors import imprint_facts
 from palpate.output.saved_set import SavedSet
 from palpate.output.tip_words import tips_in_words
 
-SETTLED = 0.95  # probability from which nothing further is open
 MOST_FACTS = 2  # that the first screen names
 WITHIN = {True: "within the tolerance of", False: "beyond the tolerance of", "undecided": "undecided, the tolerance is"}
 

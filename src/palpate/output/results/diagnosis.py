@@ -20,6 +20,9 @@ from palpate.output.results.calibration import Calibration
 from palpate.output.saved_set import SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 
+SETTLED = 0.95  # probability from which nothing further is open
+LIKELIER = 0.5  # from which an effect is likelier than none
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis(Shown):
@@ -175,8 +178,10 @@ class Diagnosis(Shown):
             text = f"{' and '.join(titles)} {self.verdict}"
         elif self.verdict == "ambiguous":
             text = f"ambiguous: {len(self.content['candidates'])} explanations"
+        elif self.verdict == "adequate":
+            text = _of_adequate(self.nothing_further)
         else:
-            text = "no effect is missing" if self.verdict == "adequate" else "unexplained: something else is missing"
+            text = "unexplained: something else is missing"
         return text[0].upper() + text[1:]
 
     def to_frame(self) -> pd.DataFrame:
@@ -250,6 +255,16 @@ class Diagnosis(Shown):
     def __repr__(self) -> str:
         named = f", {' + '.join(self.mechanisms)}" if self.mechanisms else ""
         return f"<Diagnosis of {self.study.name!r}, recordings {self.saved.name!r}: {self.verdict}{named}>"
+
+
+def _of_adequate(further: Mapping[str, Any] | None) -> str:
+    """Return an adequate verdict in a few words, with the effect that is likelier than none, if one is."""
+    if further is None or further["probability"] >= SETTLED:
+        return "no effect is missing"
+    likeliest = max(further["hidden"], key=lambda each: each["probability"], default=None)
+    if likeliest is None or likeliest["probability"] < LIKELIER:
+        return "no effect is needed"
+    return f"{MECHANISMS[likeliest['mechanism']].title} likely ({percent(likeliest['probability'])}), not certain"
 
 
 def titles_of(mechanisms: Sequence[str]) -> str:
