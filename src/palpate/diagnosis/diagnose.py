@@ -152,10 +152,15 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
         larger = [members for members in found.exchanged if each.members < members and found.is_exchanged(members)]
         return max(map(found.log_weight, [each.members, *larger]))
 
+    def decide() -> set[Members]:
+        """Return the sets of the group that gives the verdict, unless the empty one is among them."""
+        group = simplest(smallest_group(found.probabilities(), policy.held))
+        return set() if frozenset() in group else set(group)
+
     extend(search.base.fit)
     for _ in range(policy.most):
-        best = max(found.log_weight(members) for members in found.fitted)
-        worth = [each for each in to_try.values() if best - promise(each) <= behind(each)]
+        best, rivals = max(found.log_weight(members) for members in found.fitted), decide()
+        worth = [e for e in to_try.values() if e.members in rivals or best - promise(e) <= behind(e)]
         likely = sorted(worth, key=lambda each: -promise(each))
         if not likely:
             break

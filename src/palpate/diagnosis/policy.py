@@ -14,7 +14,8 @@ class SearchPolicy:
     held
         Probability that the smallest group of sets of mechanisms holds, by which a verdict is given.
     negligible
-        Probability of a set, relative to the likeliest, below which it is not refitted and counts to first order.
+        Probability of a set, relative to the likeliest, below which it is not refitted and counts to first order,
+        unless it is one of the group that decides.
     negligible_if_linear
         The same where the mechanism that joins only adds to the depth, whose evidence to first order is that of a refit
         within about one: so probable it must be that the refit can change what is said.
@@ -41,8 +42,8 @@ class SearchPolicy:
     """
 
     held: float = 0.95
-    negligible: float = 0.01
-    negligible_if_linear: float = 0.1
+    negligible: float = 0.05
+    negligible_if_linear: float = 0.3
     rough: float = 1.0
     near: float = 10.0
     behind_set: float = 400.0

@@ -22,7 +22,7 @@ def sentence(content: Mapping[str, Any]) -> str:
     if verdict == "adequate":
         claim = "The base model describes the recordings; no effect of the library is needed beside it."
         if content["nothing_further"]["probability"] < LIKELIER:
-            claim = "That the base model describes the recordings alone is not excluded, but an effect beside it is likelier."
+            claim = "The base model may describe the recordings alone, but an effect beside it is likelier."
         elif content["law_within_tolerance"] is not True:
             claim = "No effect of the library is certain, nor that the base model describes the recordings without one."
         return f"{claim}{law}{_open(content)}{_next_test(content, _hidden(content))}"
