@@ -23,7 +23,7 @@ def from_python(kernel):
 
 solve, solve_again = from_python(banded.solve), from_python(banded.solve_again)
 contact_forces, fit = from_python(contact.contact_forces), from_python(contact.fit)
-no_coupling, turn_back = from_python(contact_coupling.no_coupling), from_python(coulomb_friction.turn_back)
+no_coupling, reverse_slip = from_python(contact_coupling.no_coupling), from_python(coulomb_friction.reverse_slip)
 linear_hexahedron, hexahedron_at_large_strains = from_python(linear_3d.element), from_python(hencky_3d.element)
 
 

@@ -12,12 +12,12 @@ from palpate.data.measures import error_measures, mean_square, relative
 from palpate.data.observation import Observation
 from palpate.errors import InputError, PalpateError
 from palpate.inference.calibrate import calibrate
-from palpate.inference.descent import Until
 from palpate.inference.estimates import intervals
 from palpate.inference.fitting import Fitter
 from palpate.inference.least_squares import Misfit
 from palpate.inference.problem import Problem
-from palpate.inference.trust_region import descend, resumed
+from palpate.inference.search_state import StoppingCriteria
+from palpate.inference.trust_region import continued, descend
 from palpate.mechanisms import Scale
 from palpate.models.coordinates import Coordinate, Coordinates
 from palpate.study.protocol import trapezoid
@@ -236,7 +236,7 @@ def test_a_search_goes_on_by_secants_where_curves_are_known_but_no_derivatives()
     measured = np.concatenate([item.mean for item in data.values()])
     misfit = Misfit(measured, np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
-    found = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
+    found = descend(misfit, model, [begun], StoppingCriteria(40, 0.02, exact=True))
     assert model.coordinates.named(found.u)["a"] == pytest.approx(TRUTH["a"], rel=1e-3)
     assert found.converged
 
@@ -248,7 +248,9 @@ def test_a_search_that_cannot_come_to_the_noise_is_given_up(departure, explained
     measured = np.concatenate([item.mean + departure * np.sin(9.0 * T) for item in data.values()])
     misfit = Misfit(measured, 0.05**2 * np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
-    limited, free = (descend(misfit, model, [begun], Until(40, 0.02, reach=r)) for r in (3.0 * len(T), np.inf))
+    limited, free = (
+        descend(misfit, model, [begun], StoppingCriteria(40, 0.02, reach=r)) for r in (3.0 * len(T), np.inf)
+    )
     assert limited.converged == explained
     assert free.converged
     assert (len(limited.path) == len(free.path)) == explained
@@ -268,7 +270,7 @@ def test_a_search_that_gains_little_ends_whatever_its_slopes_predict():
 
     def needed(least_gain):
         asked.clear()
-        descend(misfit, Misleading(), [begun], Until(40, 0.02, exact=True, least_gain=least_gain))
+        descend(misfit, Misleading(), [begun], StoppingCriteria(40, 0.02, exact=True, least_gain=least_gain))
         return len(asked)
 
     asked, data = [], observed(np.random.default_rng(0), sigma=0.05, rho=0.0, site=0.0)
@@ -286,9 +288,9 @@ def test_a_search_with_all_samples_goes_on_where_the_model_did_not_fail():
     model = Forward()
     misfit = Misfit(measured, np.eye(2 * len(T)), stacked, model.coordinates)
     begun = model.coordinates.scaled({"a": 0.7, "b": 0.5, "c": 0.5})
-    way = descend(misfit, model, [begun], Until(40, 0.02, exact=True))
+    way = descend(misfit, model, [begun], StoppingCriteria(40, 0.02, exact=True))
     assert model.coordinates.named(way.u)["a"] > 1.05
-    found = resumed(misfit, Forward(edge=1.05), way, Until(40, 0.02))
+    found = continued(misfit, Forward(edge=1.05), way, StoppingCriteria(40, 0.02))
     assert 0.9 < model.coordinates.named(found.u)["a"] <= 1.05
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from palpate.inference.descent import Descent, Steps
+from palpate.inference.search_state import SearchState, Steps
 
 
 def steps(rng, limits):
@@ -32,7 +32,7 @@ def test_coordinates_that_would_leave_the_limits_end_there_and_the_others_make_t
 def test_a_step_too_short_to_tell_a_slope_from_the_error_of_a_curve_leaves_the_tangent():
     """Curves of bodies that almost yield jump by a thousandth; over a step of 1e-9 that is no slope."""
     for length, kept in ((1e-9, True), (1e-2, False)):
-        search = Descent(np.zeros(2), np.zeros(5), np.ones((5, 2)))
+        search = SearchState(np.zeros(2), np.zeros(5), np.ones((5, 2)))
         search.move(np.array([length, 0.0]), np.full(5, 3.0))
         assert np.array_equal(search.tangent, np.ones((5, 2))) == kept
         assert np.array_equal(search.curve, np.full(5, 3.0)) and not search.exact

@@ -8,7 +8,7 @@ from diagnosis_problem import CONDITIONS, fitted, problem, recordings
 
 from palpate.configuration.settings import CalibrationSettings
 from palpate.diagnosis.constraints import contradicted
-from palpate.diagnosis.own_values import recording_values
+from palpate.diagnosis.individual_amplitudes import recording_values
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.mechanisms import Assumption, breaking
 

@@ -8,7 +8,7 @@ from diagnosis_problem import CONDITIONS, RECORD_ONLY, problem, recordings, sear
 
 from palpate.configuration.settings import CalibrationSettings
 from palpate.diagnosis.diagnose import diagnose
-from palpate.diagnosis.own_values import recording_values
+from palpate.diagnosis.individual_amplitudes import recording_values
 from palpate.mechanisms import MECHANISMS
 
 KEY = "nonsteady_drift"

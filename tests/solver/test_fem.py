@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from bodies import CONE, STANDARD, depth, internal_forces, stiffness
-from kernels import from_python, no_coupling, turn_back
+from kernels import from_python, no_coupling, reverse_slip
 
 from palpate.materials import LAWS
 from palpate.materials.flow.row import step_weights, voigt_elements
@@ -137,7 +137,7 @@ def newton_norms(opened, iterations):
     slips, changed = np.zeros((count, LANES)), np.zeros(LANES, dtype=bool)
     none, norms = np.zeros(LANES, dtype=bool), []
     for _ in range(iterations):
-        turn_back(setup, trial, from_python(newton.shares_of)(setup, trial), slips, changed, none)
+        reverse_slip(setup, trial, from_python(newton.shares_of)(setup, trial), slips, changed, none)
         from_python(newton.unbalance)(setup, material, trial, prescribed, residual, coupling, none)
         norms.append(max(np.abs(residual.forces[:-1, 0]).max(), abs(residual.excess[0])) / prescribed.scale[0])
         from_python(newton.factor)(setup, material, trial, system, coupling, np.ones(LANES), residual.forces, forward)

@@ -20,10 +20,10 @@ import numpy as np
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.errors import PalpateError
-from palpate.inference.descent import Descent
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.problem import Problem
+from palpate.inference.search_state import SearchState
 from palpate.materials import law_of
 from palpate.materials.first_guess import Guessed
 from palpate.models.finite_elements import FiniteElements
@@ -106,7 +106,7 @@ class ComparedLaws:
         (found,) = model.tangents([z])
         if isinstance(found, str):
             raise PalpateError(found)
-        end = Descent(z, problem.stacked(found[0]), problem.stacked(found[1]))
+        end = SearchState(z, problem.stacked(found[0]), problem.stacked(found[1]))
         fitter = self._fitter(problem)
         return replace(fitter.at_end((), model, end, fitter.errors((), model, z, end.curve)), converged=True).sized()
 

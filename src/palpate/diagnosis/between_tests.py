@@ -31,7 +31,7 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     conditions = [k for k in fit.problem.repeated if fit.own and _columns(fit, k).any(axis=0).all()]
     if len(conditions) < 2:
         return {}
-    estimators, variances, values = zip(*(_own_values(fit, k) for k in conditions), strict=True)
+    estimators, variances, values = zip(*(_values_of_test(fit, k) for k in conditions), strict=True)
     ends = np.cumsum([len(fit.problem.observed[name].time) for name in fit.problem.names])
     of = np.concatenate(
         [np.arange(ends[k] - estimator.shape[1], ends[k]) for k, estimator in zip(conditions, estimators, strict=True)]
@@ -45,7 +45,7 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     return found
 
 
-def _own_values(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _values_of_test(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the values' departures from their means in the recordings of a condition.
 
     Returns

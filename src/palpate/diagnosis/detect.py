@@ -61,7 +61,7 @@ def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
             continue
         found += [orthonormal(column[:, None], tangent, LEAST) for column in fit.whiten(effects.T).T]
         if MECHANISMS[key].varies:
-            found.append(orthonormal(fit.whiten(problem.own_values(key)), tangent, LEAST))
+            found.append(orthonormal(fit.whiten(problem.effects_by_test(key)), tangent, LEAST))
     size = len(problem.mean)
     first = 0
     for condition in problem.conditions:

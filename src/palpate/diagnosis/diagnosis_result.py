@@ -12,6 +12,7 @@ from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.diagnosis.diagnose import DiagnosisOutcome
+from palpate.diagnosis.individual_amplitudes import in_mean, recording_values
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.limits import limits
 from palpate.diagnosis.locate import CERTAIN, Residuals
@@ -19,7 +20,6 @@ from palpate.diagnosis.missing_physics import missing_physics
 from palpate.diagnosis.next_test import Account, discriminating_test
 from palpate.diagnosis.nothing_further import nothing_further
 from palpate.diagnosis.over_sets import draws_over_sets
-from palpate.diagnosis.own_values import in_mean, recording_values
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Candidate
 from palpate.diagnosis.undetected import largest_undetected

@@ -15,7 +15,7 @@ from scipy.stats import chi2, ncx2
 
 from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.own_values import about
+from palpate.diagnosis.individual_amplitudes import about
 from palpate.diagnosis.undetected import UndetectedEffect
 from palpate.errors import InputError
 from palpate.inference.covariance import components_under

@@ -93,7 +93,7 @@ class Screen:
         columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
         own = np.empty((len(fit.residual), 0))
         if MECHANISMS[key].varies:
-            own = fit.problem.own_values(key)
+            own = fit.problem.effects_by_test(key)
             own = own * self._typical(fit, key)
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
@@ -136,7 +136,7 @@ class Screen:
         return [[(0.0, (max(start, 1.0 - start) / each) ** 2 / 3.0)] for each in away]
 
     def _typical(self, fit: Fit, key: str) -> np.ndarray:
-        """Return the size (m,) of the columns of `Problem.own_values`: the typical one of an amplitude."""
+        """Return the size (m,) of the columns of `Problem.effects_by_test`: the typical one of an amplitude."""
         sizes = [fit.problem.typical_size(amplitude) for amplitude in fit.problem.typical(key)]
         return np.tile(sizes, len(fit.problem.conditions))
 

@@ -117,7 +117,7 @@ class Search:
             base = on_finer_meshes(self._fitter, base)
         elif base.errors.law is None:
             base = with_finer_curves(self._fitter, base)
-        base = self._fitter.rest_on(base)
+        base = self._fitter.use_as_reference(base)
         self.problem = base.problem
         self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:

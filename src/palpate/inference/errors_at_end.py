@@ -7,16 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from palpate.inference.descent import Descent
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Explanation, Problem
+from palpate.inference.search_state import SearchState
 from palpate.mechanisms import MECHANISMS
 
 SHARES = (0.0, 0.01, 0.03, 0.1, 0.3)  # standard deviations that are tried, of the largest plausible value
 LEAST_GAIN = 2.0  # of the log likelihood, above which a variance between conditions is accepted
 
 
-def effects_at(problem: Problem, explanation: Explanation, end: Descent) -> dict[str, np.ndarray]:
+def effects_at(problem: Problem, explanation: Explanation, end: SearchState) -> dict[str, np.ndarray]:
     """Return what those mechanisms add to the curves (n_all,) [nm] at the end of a search whose effects err.
 
     With a single amplitude that is the derivative by it, times the amplitude: the simulation errs in the amplitude, and
@@ -45,7 +45,7 @@ def _assumed(problem: Problem, key: str, z: np.ndarray) -> Mapping[str, float]:
     return mechanism.assumed(problem.forward.specification(z, first)) if mechanism.assumed else mechanism.neutral
 
 
-def with_own_values(fit: Fit) -> Fit:
+def with_individual_amplitudes(fit: Fit) -> Fit:
     """Give each amplitude that varies the most likely variance between conditions."""
     for amplitude in fit.own:
         trials = list[tuple[float, Fit]]()

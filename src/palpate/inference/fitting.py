@@ -21,15 +21,15 @@ from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude, own_amplitudes
 from palpate.inference.amplitude_constraint import AmplitudeConstraint, departures
 from palpate.inference.covariance import Errors, errors, noise_of, of_mesh
-from palpate.inference.descent import Descent, Until
 from palpate.inference.discrepancy import Size
-from palpate.inference.errors_at_end import effects_at, with_own_values
+from palpate.inference.errors_at_end import effects_at, with_individual_amplitudes
 from palpate.inference.explanation import Fit
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.least_squares import Misfit, by_misfit
 from palpate.inference.problem import Explanation, Problem
+from palpate.inference.search_state import SearchState, StoppingCriteria
 from palpate.inference.starting_places import places
-from palpate.inference.trust_region import LEAST_STEPS, descend, resumed
+from palpate.inference.trust_region import LEAST_STEPS, continued, descend
 from palpate.models.forward import Forward
 
 
@@ -87,7 +87,7 @@ class Fitter:
             except PalpateError as error:
                 self.problem, failed = problem, str(error)
                 continue
-            return self.rest_on(fit)
+            return self.use_as_reference(fit)
         raise PalpateError(failed)
 
     def fitted(
@@ -126,14 +126,16 @@ class Fitter:
         limit = policy.iterations if explanation else policy.base_iterations
         if reach is None:
             reach = policy.likely_chi_square(len(problem.mean)) if explanation else np.inf
-        until = Until(limit, policy.first_tolerance, True, stop, reach, policy.first_tolerance if explanation else 0.0)
+        until = StoppingCriteria(
+            limit, policy.first_tolerance, True, stop, reach, policy.first_tolerance if explanation else 0.0
+        )
         begun = starts if explanation else self._with_slopes(misfit, model, starts)
         end = begun[0]
-        if not (isinstance(end, Descent) and self._begins_near(model, end)):
+        if not (isinstance(end, SearchState) and self._begins_near(model, end)):
             end = self._searched(misfit, model, begun, depth, until)
         effects = effects_at(problem, explanation, end)
         weighed = self.errors(explanation, model, end.u, end.curve, effects)
-        fit = with_own_values(self.at_end(explanation, model, end, weighed)).sized()
+        fit = with_individual_amplitudes(self.at_end(explanation, model, end, weighed)).sized()
         if explanation and fit.misfit_ratio > policy.refined:
             return fit
         tolerance = policy.tolerance * (max(fit.misfit_ratio, 1.0) if explanation else 1.0)
@@ -148,10 +150,10 @@ class Fitter:
             record = model.reanchored(end.u)
         if record is not model:
             fit, goal = self._weighed_by(fit, record, misfit)
-            end = resumed(goal, record, end, until)
+            end = continued(goal, record, end, until)
         return self.settled(self.at_end(explanation, record, end, fit.errors), until)
 
-    def settled(self, fit: Fit, until: Until) -> Fit:
+    def settled(self, fit: Fit, until: StoppingCriteria) -> Fit:
         """Return a fit after the size of the law's discrepancy and the parameters agree.
 
         The size mostly changes little from where a search ended. Where it was that of a model without an effect that
@@ -161,7 +163,7 @@ class Fitter:
             again = fit.sized()
             if again is fit or not self.near(again) or again.alike(fit):
                 return again
-            begun = Descent(fit.z, fit.curve, fit.tangent, exact=False)
+            begun = SearchState(fit.z, fit.curve, fit.tangent, exact=False)
             end = descend(self.goal(again), fit.model, [begun], until)
             fit = self.at_end(fit.explanation, fit.model, end, again.errors)
         return fit.sized()
@@ -169,7 +171,11 @@ class Fitter:
     def reweighed(self, fit: Fit) -> Fit:
         """Return a fit of the base model by the errors of these settings, after a search with them."""
         fit = replace(fit, errors=self.errors((), fit.model, fit.z, fit.curve))
-        return self.settled(fit, Until(self.policy.base_iterations, self.policy.tolerance)) if self.law_error else fit
+        return (
+            self.settled(fit, StoppingCriteria(self.policy.base_iterations, self.policy.tolerance))
+            if self.law_error
+            else fit
+        )
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
         """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""
@@ -178,12 +184,12 @@ class Fitter:
 
     def _with_slopes(
         self, misfit: Misfit, model: Forward, starts: Sequence[np.ndarray]
-    ) -> Sequence[np.ndarray | Descent]:
+    ) -> Sequence[np.ndarray | SearchState]:
         """Return the places to start, a single one with its derivatives where the model does not fail."""
         found = misfit.tangents(model, starts)[0] if len(starts) == 1 else ""
-        return starts if isinstance(found, str) else [Descent(starts[0], *found)]
+        return starts if isinstance(found, str) else [SearchState(starts[0], *found)]
 
-    def _begins_near(self, model: Forward, begun: Descent) -> bool:
+    def _begins_near(self, model: Forward, begun: SearchState) -> bool:
         """Return whether a search of the base model begins near to what noise leaves already."""
         errors = self.errors((), model, begun.u, begun.curve)
         return self.near(self.at_end((), model, begun, errors))
@@ -192,7 +198,7 @@ class Fitter:
         """Return the misfit of a model without a remainder, by the errors of a fit."""
         return replace(self._misfit(fit.explanation, fit.errors), allow_remainder=False)
 
-    def at_end(self, explanation: Explanation, model: Forward, end: Descent, weighed: Errors) -> Fit:
+    def at_end(self, explanation: Explanation, model: Forward, end: SearchState, weighed: Errors) -> Fit:
         """Return the fit at which a search ended.
 
         Parameters
@@ -207,7 +213,7 @@ class Fitter:
         found = end.u, weighed, end.curve, end.tangent, self.constraints, end.converged
         return Fit(self.problem, explanation, model, *found)
 
-    def rest_on(self, base: Fit) -> Fit:
+    def use_as_reference(self, base: Fit) -> Fit:
         """Let other explanations rest on the forward model of a fit of the base model, and return that."""
         self.problem, self._noise = replace(self.problem, forward=base.model, at=base.z), {}
         law = base.errors.law
@@ -263,10 +269,10 @@ class Fitter:
         self,
         misfit: Misfit,
         model: Forward,
-        starts: Sequence[np.ndarray | Descent],
+        starts: Sequence[np.ndarray | SearchState],
         depth: np.ndarray,
-        until: Until,
-    ) -> Descent:
+        until: StoppingCriteria,
+    ) -> SearchState:
         """Return the best end of searches from some coordinates (k,).
 
         As many starts as run in the time of one are simulated together, and searches begin at the best of them. Further
@@ -283,12 +289,12 @@ class Fitter:
         until
             See `palpate.inference.trust_region.descend`, as the errors that are raised.
         """
-        left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, Descent)]
+        left, places = depth - self.problem.mean, [start for start in starts if not isinstance(start, SearchState)]
         batch = model.points_per_batch(places[0]) if len(places) > 1 else 1
         most = max(1, min(self.policy.searches, batch // LEAST_STEPS))
         weights = misfit.weights(misfit.remainder(left))
         good = float(np.sum((weights @ left) ** 2)) + self.policy.without_effect
-        ends, failed = list[tuple[float, Descent]](), ""
+        ends, failed = list[tuple[float, SearchState]](), ""
         for first in range(0, len(starts), batch):
             some = starts[first : first + batch]
             if len(some) > most:

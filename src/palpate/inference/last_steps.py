@@ -13,9 +13,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from palpate.errors import PalpateError
-from palpate.inference.descent import Descent, Until
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
+from palpate.inference.search_state import SearchState, StoppingCriteria
 from palpate.inference.trust_region import descend, gauss_newton
 from palpate.models.forward import Curves, Forward
 
@@ -29,8 +29,8 @@ def on_finer_meshes(fitter: Fitter, fit: Fit) -> Fit:
     refined, policy = with_finer_curves(fitter, fit), fitter.policy
     if refined is fit:
         return fit
-    begun = Descent(fit.z, refined.curve, fit.tangent, exact=False)
-    end = descend(fitter.goal(fit), refined.model, [begun], Until(policy.iterations, policy.tolerance))
+    begun = SearchState(fit.z, refined.curve, fit.tangent, exact=False)
+    end = descend(fitter.goal(fit), refined.model, [begun], StoppingCriteria(policy.iterations, policy.tolerance))
     return fitter.at_end(fit.explanation, refined.model, end, fit.errors)
 
 
@@ -45,7 +45,7 @@ def with_finer_curves(fitter: Fitter, fit: Fit) -> Fit:
 def _at_the_edge(fitter: Fitter, fit: Fit, model: Forward, curves: Curves, slopes: Curves) -> Fit:
     """Return a fit after its last steps where the edge of contact decides how a curve changes."""
     problem, policy = fitter.problem, fitter.policy
-    begun = Descent(fit.z, problem.stacked(curves), problem.stacked(slopes))
+    begun = SearchState(fit.z, problem.stacked(curves), problem.stacked(slopes))
     way = gauss_newton(fitter.goal(fit), model, begun, policy.finer_steps, policy.tolerance, policy.first_order)
     try:
         record = model.consistent(way.u, problem.responses(way.curve), problem.responses(way.tangent))

@@ -264,7 +264,7 @@ class Problem:
         """Return what one unit of an amplitude adds under all conditions (n_all,) [nm]."""
         return np.concatenate([self.unit_effect(amplitude, condition) for condition in self.conditions])
 
-    def own_values(self, key: str) -> np.ndarray:
+    def effects_by_test(self, key: str) -> np.ndarray:
         """Return what one unit of each amplitude of a mechanism adds in each condition alone (n_all, k) [nm]."""
         columns = [self.split(self.unit_effects(amplitude)) for amplitude in self.typical(key)]
         return block_diag(*(np.column_stack([of[name] for of in columns]) for name in self.names))

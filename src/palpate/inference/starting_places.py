@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.stats import qmc
 
-from palpate.inference.descent import Descent, Until
 from palpate.inference.fit_policy import FitPolicy
 from palpate.inference.least_squares import Misfit, by_misfit
+from palpate.inference.search_state import SearchState, StoppingCriteria
 from palpate.inference.trust_region import descend
 from palpate.models.forward import Forward
 
@@ -37,7 +37,7 @@ def places(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], polic
     yield from (way.u, *reversed(way.path), *starts)
 
 
-def _followed(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], policy: FitPolicy) -> Descent:
+def _followed(misfit: Misfit, cheaper: Forward, starts: Sequence[np.ndarray], policy: FitPolicy) -> SearchState:
     """Return where searches with few samples lead from the best of some coordinates (k,)."""
     best = [u for _, u in by_misfit(misfit, np.eye(len(misfit.measured)), cheaper, starts)][: policy.base_searches]
-    return descend(misfit, cheaper, best, Until(policy.base_iterations, policy.first_tolerance))
+    return descend(misfit, cheaper, best, StoppingCriteria(policy.base_iterations, policy.first_tolerance))

@@ -27,8 +27,8 @@ from dataclasses import replace
 import numpy as np
 
 from palpate.errors import PalpateError
-from palpate.inference.descent import LARGEST_STEP, Descent, Steps, Until
 from palpate.inference.least_squares import Misfit
+from palpate.inference.search_state import LARGEST_STEP, SearchState, Steps, StoppingCriteria
 from palpate.models.forward import Forward
 
 SHORTEST_STEP = 1e-3  # of the range of a parameter
@@ -42,7 +42,9 @@ GENEROUS = 4.0  # times the decrease that a whole step promises, beyond which a 
 FALLING, LONGER = 0.9, 3  # a search lasts so many times longer while `PATIENCE` iterations lower the residual so far
 
 
-def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descent], until: Until) -> Descent:
+def descend(
+    misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | SearchState], until: StoppingCriteria
+) -> SearchState:
     """Return the search that ends at the least misfit.
 
     Parameters
@@ -63,12 +65,14 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
     CancelledError
         When the search was stopped.
     """
-    begun = [start for start in starts if isinstance(start, Descent)]
+    begun = [start for start in starts if isinstance(start, SearchState)]
     searches = [search.anew() for search in begun]
     _check(until)
-    points = [_inside(misfit, start) for start in starts if not isinstance(start, Descent)]
+    points = [_inside(misfit, start) for start in starts if not isinstance(start, SearchState)]
     outcomes = misfit.tangents(model, points) if points else []
-    searches += [Descent(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)]
+    searches += [
+        SearchState(u, *found) for u, found in zip(points, outcomes, strict=True) if not isinstance(found, str)
+    ]
     if not searches:
         raise PalpateError(str(outcomes[0]))
     least = [np.inf]
@@ -91,23 +95,23 @@ def descend(misfit: Misfit, model: Forward, starts: Sequence[np.ndarray | Descen
     return min(searches, key=lambda search: misfit.chi_square(search.curve, search.u, weights))
 
 
-def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Descent:
+def continued(misfit: Misfit, model: Forward, state: SearchState, until: StoppingCriteria) -> SearchState:
     """Continue a search with another model from its end, or from the last place where that model does not fail.
 
     At its end it goes on with the derivatives of the model before.
 
     Parameters
     ----------
-    way
+    state
         The search that ended.
     misfit, model, until
         See `descend`, as the errors that are raised.
     """
-    (outcome,) = misfit.curves(model, [way.u])
+    (outcome,) = misfit.curves(model, [state.u])
     if not isinstance(outcome, str):
-        return descend(misfit, model, [replace(way, curve=outcome, exact=False)], until)
+        return descend(misfit, model, [replace(state, curve=outcome, exact=False)], until)
     failed = outcome
-    for start in reversed(way.path):
+    for start in reversed(state.path):
         try:
             return descend(misfit, model, [start], until)
         except PalpateError as error:
@@ -116,8 +120,8 @@ def resumed(misfit: Misfit, model: Forward, way: Descent, until: Until) -> Desce
 
 
 def gauss_newton(
-    misfit: Misfit, model: Forward, way: Descent, most: int, tolerance: float, first_order: float
-) -> Descent:
+    misfit: Misfit, model: Forward, state: SearchState, most: int, tolerance: float, first_order: float
+) -> SearchState:
     """Take Gauss-Newton steps, with secant updates of the slopes, as long as they lower chi-square on finer meshes.
 
     Parameters
@@ -126,7 +130,7 @@ def gauss_newton(
         See `descend`.
     model
         Gives the curves.
-    way
+    state
         Where the search begins, with its curves and slopes.
     most
         Largest number of steps.
@@ -134,44 +138,44 @@ def gauss_newton(
         Predicted decrease of chi-square below which the last step is taken with the slopes, without a simulation.
     """
     for _ in range(most):
-        steps = Steps.of(misfit, way)
+        steps = Steps.of(misfit, state)
         end = steps.end(LARGEST_STEP)
         predicted = steps.predicted_decrease(end)
         if predicted < first_order:
-            way.converged = True
+            state.converged = True
             if predicted >= tolerance:
-                way.move(end, way.predicted(end))
+                state.move(end, state.predicted(end))
             break
-        (curve,), here = misfit.curves(model, [end]), misfit.chi_square(way.curve, way.u, steps.weights)
+        (curve,), here = misfit.curves(model, [end]), misfit.chi_square(state.curve, state.u, steps.weights)
         if isinstance(curve, str) or misfit.chi_square(curve, end, steps.weights) > here:
             break
-        way.move(end, curve)
-    return way
+        state.move(end, curve)
+    return state
 
 
-def _check(until: Until) -> None:
+def _check(until: StoppingCriteria) -> None:
     """Raise `CancelledError` once a search is to end; as no `PalpateError`, it is not taken for a failure."""
     if until.stop and until.stop.is_set():
         raise CancelledError
 
 
-def _hopeless(misfit: Misfit, search: Descent, reach: float) -> bool:
+def _hopeless(misfit: Misfit, search: SearchState, reach: float) -> bool:
     """Return whether a search is not expected to reach a chi-square by the known errors, see `GENEROUS`."""
     steps = Steps.of(misfit, search, remainder=0.0)
     promised = steps.predicted_decrease(steps.end(LARGEST_STEP))
     return float(steps.residual @ steps.residual) - GENEROUS * promised > reach
 
 
-def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until: Until) -> None:
+def _advance(misfit: Misfit, model: Forward, searches: Sequence[SearchState], until: StoppingCriteria) -> None:
     """Move all searches by one iteration."""
     if not searches:
         return
     count = max(LEAST_STEPS, model.points_per_batch(searches[0].u) // len(searches))
     longer = min(GROWTH, 2.0 ** (count - 1))
-    tried: list[tuple[Descent, np.ndarray, float]] = []
-    ways: dict[Descent, Steps] = {}
-    promised: dict[Descent, float] = {}
-    outdated: list[Descent] = []
+    tried: list[tuple[SearchState, np.ndarray, float]] = []
+    ways: dict[SearchState, Steps] = {}
+    promised: dict[SearchState, float] = {}
+    outdated: list[SearchState] = []
     for search in searches:
         steps = Steps.of(misfit, search)
         promised[search] = steps.predicted_decrease(steps.end(LARGEST_STEP))
@@ -213,7 +217,7 @@ def _advance(misfit: Misfit, model: Forward, searches: Sequence[Descent], until:
     _renew(misfit, model, outdated)
 
 
-def _renew(misfit: Misfit, model: Forward, searches: Sequence[Descent]) -> None:
+def _renew(misfit: Misfit, model: Forward, searches: Sequence[SearchState]) -> None:
     """Compute the exact derivatives at the searches' places; where the model fails, a search keeps those it has."""
     outcomes = misfit.tangents(model, [search.u for search in searches]) if searches else []
     for search, found in zip(searches, outcomes, strict=True):

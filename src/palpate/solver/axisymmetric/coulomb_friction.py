@@ -73,7 +73,7 @@ def friction_ratio(contact, state, place, share, density, width, k):
 
 
 @inner_kernel(cache=True, error_model="numpy")
-def turn_back(setup, trial, shares, slips, changed, done):
+def reverse_slip(setup, trial, shares, slips, changed, done):
     """Put nodes whose slip reverses within one iteration back to where they stuck.
 
     Parameters

@@ -37,7 +37,7 @@ from palpate.solver.axisymmetric.banded import solve, solve_again
 from palpate.solver.axisymmetric.bordered import copy_of, put_back
 from palpate.solver.axisymmetric.contact import contact_forces, fit, share_of
 from palpate.solver.axisymmetric.contact_coupling import LEAST_RESPONSE, add_tangent, no_coupling, spread
-from palpate.solver.axisymmetric.coulomb_friction import turn_back
+from palpate.solver.axisymmetric.coulomb_friction import reverse_slip
 from palpate.solver.axisymmetric.lanes import (
     LANES,
     exponential,
@@ -103,7 +103,7 @@ def advance(setup, material, trial, prescribed, system, farthest, alive):
         # Fresh depends on the number of the iteration alone: lanes are factored together, whatever each of them needs.
         fresh = not patient or iteration % REUSES == 0
         if rough:
-            turn_back(setup, trial, shares_of(setup, trial), slips, changed, done)
+            reverse_slip(setup, trial, shares_of(setup, trial), slips, changed, done)
         unbalance(setup, material, trial, prescribed, residual, coupling, done)
         measure(residual.forces, direction.displacement, size, norm, work)
         for lane in range(LANES):

@@ -111,7 +111,7 @@ class Contact3D:
         surface = self.mesh.surface
         touched = self.touching[surface]
         if self.friction.coefficient > 0.0:
-            self._turn_back(displacement)
+            self._reverse_slip(displacement)
         height, slope, curvature = _indenter(self.mesh, self.tip, self.place, displacement[surface, :2], self.large)
         self.gap = gap = height - depth - displacement[surface, 2]
         displacement[surface, 2] += np.where(touched, gap, 0.0)
@@ -131,7 +131,7 @@ class Contact3D:
     def _slips(self, slip: np.ndarray) -> np.ndarray:
         return self.friction.coefficient * self.friction.size(slip, self.slope) > self.friction.coefficient
 
-    def _turn_back(self, displacement: np.ndarray) -> None:
+    def _reverse_slip(self, displacement: np.ndarray) -> None:
         """Put nodes whose slip reverses within one iteration back to where they stuck."""
         surface, slope = self.mesh.surface, self.slope
         slip = self.friction.slip(self.place + displacement[surface, :2], self.anchor)

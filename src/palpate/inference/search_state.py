@@ -15,7 +15,7 @@ CORRECTIONS = 3  # fixed-point iterations of the second-order correction
 
 
 @dataclass(frozen=True, eq=False)
-class Until:
+class StoppingCriteria:
     """When a search ends.
 
     Parameters
@@ -43,7 +43,7 @@ class Until:
 
 
 @dataclass(eq=False)
-class Descent:
+class SearchState:
     """One search.
 
     Attributes
@@ -88,7 +88,7 @@ class Descent:
         """Whether it ended because it would not reach what it must; one iteration may mislead, as at a kink."""
         return self.hopeless > 1
 
-    def anew(self) -> Descent:
+    def anew(self) -> SearchState:
         """Return the search as it begins again where it ended."""
         return replace(self, length=LARGEST_STEP, converged=False, active=True, hopeless=0, gains=[])
 
@@ -130,7 +130,7 @@ class Steps:
     slopes: np.ndarray
 
     @classmethod
-    def of(cls, misfit: Misfit, search: Descent, remainder: float | None = None) -> Steps:
+    def of(cls, misfit: Misfit, search: SearchState, remainder: float | None = None) -> Steps:
         """Return the steps from where a search is, weighted with a remainder [nm^2]; by default with that there."""
         if remainder is None:
             remainder = misfit.remainder(misfit.residual(search.curve))
@@ -139,7 +139,7 @@ class Steps:
         slopes = np.vstack([weights @ search.tangent, misfit.slopes_of_parameters(search.u)])
         return cls(misfit, search.u, weights, residual, slopes)
 
-    def trials(self, search: Descent, count: int) -> list[tuple[np.ndarray, float]]:
+    def trials(self, search: SearchState, count: int) -> list[tuple[np.ndarray, float]]:
         """Return `count` places (k,) to try, and the lengths of the steps there.
 
         Each is half as long as the one before, and has the second-order correction from the last step, if there is one.

@@ -14,7 +14,7 @@ from palpate.configuration.settings import CalibrationSettings, DiagnosisSetting
 from palpate.data.noise import NoiseModel
 from palpate.data.observation import Observation
 from palpate.diagnosis.diagnosis_result import curves, summary
-from palpate.diagnosis.own_values import in_mean, recording_values
+from palpate.diagnosis.individual_amplitudes import in_mean, recording_values
 from palpate.diagnosis.search import Search
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
