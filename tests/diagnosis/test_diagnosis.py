@@ -247,11 +247,11 @@ def test_what_lies_outside_its_range_is_said():
     inside = problem(recordings(np.random.default_rng(3)))
     assert outside(fitted(inside)) == []
     narrow = replace(MATERIAL, free=[replace(MATERIAL.free[0], upper=0.9), MATERIAL.free[1]])
-    (said,) = outside(fitted(replace(inside, forward=replace(inside.forward, coordinates=narrow))))
-    assert said.startswith("modulus ") and float(said.split()[1]) == pytest.approx(1.0, rel=0.05)
+    ((quantity, value),) = outside(fitted(replace(inside, forward=replace(inside.forward, coordinates=narrow))))
+    assert quantity.name == "modulus" and value == pytest.approx(1.0, rel=0.05)
     unit = SCALE.depth / SCALE.load
     soft = problem(recordings(np.random.default_rng(3), lambda c, r: 1.5 * unit * c.protocol.sample_load))
-    said = dict(each.split() for each in outside(fitted(soft, ("frame_compliance",))))
-    assert float(said["frame_compliance.compliance"]) == pytest.approx(1.5 * unit, rel=0.05)
+    found = {quantity.name: value for quantity, value in outside(fitted(soft, ("frame_compliance",)))}
+    assert found["frame_compliance.compliance"] == pytest.approx(1.5 * unit, rel=0.05)
     wide = replace(soft, scale=replace(SCALE, stated={"frame_compliance": {"compliance": [0.0, 4.0 * unit]}}))
     assert outside(fitted(wide, ("frame_compliance",))) == []

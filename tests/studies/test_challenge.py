@@ -127,16 +127,14 @@ def trial(tmp_path):
 
 
 def test_the_diagnosis_never_opens_the_seal(trial):
-    """Every file that Python opens is noted; nor does the diagnosis miss the truth once it is gone."""
+    """Every file that Python opens is noted; what is in the seal would end whatever reads it in another way."""
     study, case, folder = trial
+    (folder / "sealed.json").write_text("{")
     sys.addaudithook(lambda event, details: OPENED.append(str(details[0])) if event == "open" else None)
-    told, _ = diagnose_case(study, folder / "recordings" / case.name, lambda line: None)
+    diagnose_case(study, folder / "recordings" / case.name, lambda line: None)
     opened = list(OPENED)
     assert any(file.endswith("_1.csv") for file in opened), "the hook works"
     assert not [file for file in opened if "sealed" in file]
-    (folder / "sealed.json").unlink()
-    blind, _ = diagnose_case(study, folder / "recordings" / case.name, lambda line: None)
-    assert blind == told
 
 
 def test_an_effect_is_as_strong_as_it_is_large(trial):

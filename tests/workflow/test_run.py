@@ -186,6 +186,8 @@ def test_data_may_have_the_name_of_a_number(folder, data, capsys, monkeypatch):
 @pytest.mark.faults(before="44 lines of traceback")
 @pytest.mark.slow
 def test_a_study_is_planned_without_a_home_folder(folder):
+    """And beside a folder `default`, which Snakemake would take for its profile."""
+    (folder / "default").mkdir()
     environment = {key: value for key, value in os.environ.items() if key != "XDG_CACHE_HOME"}
     environment["HOME"] = str(folder / "study.yaml")  # in which no folder can be made, not even by root
     command = [PALPATE, "run", "study.yaml", "--cores", "1", "--dry-run"]

@@ -10,6 +10,7 @@ import yaml
 from indentation_files.recording import Recording
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study, study_from
+from palpate.workflow_support import expected_time
 from palpate.workflow_support.expected_time import expected, job_seconds
 
 CHALLENGE = Path(__file__).parents[2] / "config" / "challenge.yaml"
@@ -227,12 +228,24 @@ def test_what_would_stop_the_workflow_is_found_by_check(tmp_path, monkeypatch, r
 def test_the_default_study_takes_about_as_long_as_check_expects():
     """A run took 418 s of processor time, 40 s of it for compilation: docs/measurements.md."""
     study = load_study(Path(__file__).parents[2] / "config/config.yaml")
-    seconds = job_seconds(study, batches=8)
+    seconds = job_seconds(study)
     jobs = {"snapshots": 8, "surrogate": 4, "calibration": 3, "diagnosis": 1, "laboratory": 1, "figures": 1}
     jobs |= {"report": 1, "tracking": 1}
     assert sum(seconds[rule] * count for rule, count in jobs.items()) == pytest.approx(378, rel=0.33)
     (line,) = expected(study, 1)
-    assert "12 mechanisms" in line and line.startswith("expected time, within a factor of two: 5 min on 1 free core")
+    assert "12 mechanisms" in line and line.startswith("expected time, within a factor of two: 6 min on 1 free core")
+
+
+def test_more_cores_take_no_less_than_their_share_and_no_more_than_one(monkeypatch):
+    """Of the default study, whose figures, report and tracking have to wait for its diagnosis."""
+    study = load_study(Path(__file__).parents[2] / "config/config.yaml")
+    monkeypatch.setattr(expected_time, "time_in_words", str)
+    cores = (1, 2, 4, 64)
+    took = [float(next(expected(study, count)).split(": ")[1].split()[0]) for count in cores]
+    seconds = job_seconds(study)
+    last = seconds["diagnosis"] / 2 + seconds["figures"] + seconds["report"] + seconds["tracking"]
+    assert took[0] > took[1] > took[2] > took[3] > last
+    assert all(count * time > took[0] for count, time in zip(cores[1:], took[1:], strict=True))
 
 
 def an_elastic_law_in_a_laboratory(folder, monkeypatch):
@@ -247,13 +260,14 @@ def an_elastic_law_in_a_laboratory(folder, monkeypatch):
     )
 
 
-def test_a_diagnosis_without_replicates_is_expected_to_take_longer(tmp_path, monkeypatch):
+def test_fits_without_replicates_are_expected_to_take_longer(tmp_path, monkeypatch):
     study, time, load = an_elastic_law_in_a_laboratory(tmp_path, monkeypatch)
     took = []
     for number in (1, 2):
         Recording(time, load, 400.0 * np.sqrt(load)).write(f"lab/A_{number}.csv")
-        took.append(job_seconds(study, batches=1)["diagnosis"])
-    assert took[0] > 2.0 * took[1]
+        took.append(job_seconds(study))
+    for rule in ("calibration", "diagnosis"):
+        assert took[0][rule] > 2.0 * took[1][rule]
 
 
 def test_a_diagnosis_of_an_elastic_law_is_expected_to_take_longer_where_tests_leave_an_imprint(tmp_path, monkeypatch):
@@ -262,7 +276,7 @@ def test_a_diagnosis_of_an_elastic_law_is_expected_to_take_longer_where_tests_le
     for left in (0.0, 100.0):
         for number in (1, 2):
             Recording(time, load, 400.0 * np.sqrt(load) + left * (time > 30.0)).write(f"lab/A_{number}.csv")
-        took.append(job_seconds(study, batches=1)["diagnosis"])
+        took.append(job_seconds(study)["diagnosis"])
     assert took[1] > 2.0 * took[0]
 
 
@@ -282,6 +296,6 @@ def test_the_times_of_a_small_study_are_those_of_its_runs(tmp_path, monkeypatch)
                 for condition, number in itertools.product(content["conditions"], (1, 2, 3)):
                     depth = 400.0 * np.sqrt(load) + 60.0 * (time > 40.0)
                     Recording(time, load, depth).write(f"{folder}/{condition['name']}_{number}.csv")
-        seconds = job_seconds(study_from(content, "study"), batches=1)
+        seconds = job_seconds(study_from(content, "study"))
         assert seconds["calibration"] == pytest.approx(calibration, rel=0.5)
         assert seconds["diagnosis"] == pytest.approx(diagnosis, rel=0.5)

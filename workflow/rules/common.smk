@@ -209,7 +209,7 @@ if workflow.is_main_process:
     console.announce(
         console.Plan(
             Path(FOLDER),
-            job_seconds(STUDY, len(planned(""))),
+            job_seconds(STUDY),
             workflow.resource_settings.cores or 1,
             lambda: set(workflow.dag_settings.targets) <= {"all"},
         )

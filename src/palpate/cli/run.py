@@ -45,7 +45,9 @@ def run(arguments: argparse.Namespace) -> int:
     from palpate.workflow_support.check_study import checked
 
     study = checked(load_study(arguments.study, arguments.data))
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile())]
+    workflow = snakefile()
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(workflow)]
+    command += ["--workflow-profile", str(workflow.parent / "profiles/default")]  # else a folder `default` is taken
     command += ["--cores", str(arguments.cores), "--configfile", str(arguments.study)]
     command += ["--config", f"data={_as_text(arguments.data)}"] if arguments.data else []
     command += ["--forcerun", *arguments.forcerun] if arguments.forcerun else []

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from palpate.base.parameters import in_words
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
@@ -14,6 +15,7 @@ from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
+from palpate.models.coordinates import Coordinate
 
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
 OUTSIDE = 0.005  # of a range, beyond its ends: a parameter is reported as outside
@@ -94,14 +96,24 @@ def far_out(diagnosis: DiagnosisOutcome) -> list[str]:
     found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
     if not found:
         return []
-    return [f"Estimates outside the study's plausible ranges (`parameters`, `diagnosis: ranges`): {', '.join(found)}."]
+    values = [f"{_in_words(each)} {value:.3g} ({each.lower:.3g} to {each.upper:.3g})" for each, value in found]
+    return [
+        "The likeliest values of some quantities lie outside the study's plausible ranges (keys parameters and "
+        f"diagnosis.ranges), which are given in parentheses: {', '.join(values)}."
+    ]
 
 
-def outside(fit: Fit) -> list[str]:
-    """Return the quantities of an explanation outside their ranges, with their values, as text."""
+def outside(fit: Fit) -> list[tuple[Coordinate, float]]:
+    """Return the quantities of an explanation outside their ranges, with their values."""
     coordinates, beyond = fit.coordinates, np.abs(fit.coordinates.beyond(fit.z)) > OUTSIDE
     quantities = zip(coordinates.free, fit.z, beyond, strict=True)
-    return [f"{each.name} {float(each.physical(x)):.3g}" for each, x, far in quantities if far]
+    return [(each, float(each.physical(x))) for each, x, far in quantities if far]
+
+
+def _in_words(quantity: Coordinate) -> str:
+    """Return the name of a parameter of the law, or of a mechanism's after the mechanism's."""
+    *key, name = quantity.name.split(".")
+    return ", ".join([*(MECHANISMS[each].title for each in key), in_words(name)])
 
 
 def follows_tests(diagnosis: DiagnosisOutcome, level: float, rng: np.random.Generator) -> list[str]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
+from palpate.base.rounding import interval_of
 from palpate.diagnosis.estimated_noise import adjusted
 from palpate.diagnosis.screen import Screen
 from palpate.inference.amplitude import Amplitude
@@ -167,9 +168,9 @@ def wide_intervals(fit: Fit, amplitudes: Mapping[str, Mapping[str, Any]]) -> lis
             remedy = "" if done else f" It would be narrowed by {mechanism.remedy}."
             of = "" if len(mechanism.amplitudes) == 1 else f"the {own} of "
             messages.append(
-                f"If all effects considered may act at once, {of}{mechanism.title} lies between "
-                f"{entry['lower']:.2g} and {entry['upper']:.2g} {unit}; it correlates most with "
-                f"{entry['correlated_with'].replace('_', ' ')} (correlation {entry['correlation']:+.2f}).{remedy}"
+                f"If all effects considered may act at once, {of}{mechanism.title} is {interval_of(entry)} {unit}; it "
+                f"correlates most with {entry['correlated_with'].replace('_', ' ')} "
+                f"(correlation {entry['correlation']:+.2f}).{remedy}"
             )
     return messages
 

@@ -228,7 +228,7 @@ def noise_between_replicates(problem: Problem, own: tuple[Amplitude, ...], site_
         item = problem.observed[problem.conditions[k].name]
         identity = np.eye(len(item.time))
         replicates.append(Replicates(contrasts(item.response), identity, parts[k], float(np.abs(item.mean).max())))
-    narrower = [tuple(other for other in own if other != amplitude) for amplitude in own]
+    narrower = [tuple(other for other in own if other.key != key) for key in dict.fromkeys(each.key for each in own)]
     within = [noise_between_replicates(problem, rest, site_scatter) for rest in narrower]
     return fit_noise(replicates, assumed_variances(problem, own, site_scatter), True, LARGEST, within)
 

@@ -114,12 +114,17 @@ def plan(study: Study) -> list[Batch]:
     A study that does not say how many cells a job takes has about `JOBS` jobs, of at least `LEAST_CELLS` cells each.
     """
     cells, groups = study.cells, conditions_by_shape(study)
-    size = study.cells_per_job or max(LEAST_CELLS, math.ceil(len(cells) * len(groups) / JOBS))
+    size = cells_of_a_job(study, len(groups))
     return [
         Batch(f"{conditions[0].name}_{first // size:03d}", study, tuple(conditions), tuple(cells[first : first + size]))
         for conditions in groups
         for first in range(0, len(cells), size)
     ]
+
+
+def cells_of_a_job(study: Study, groups: int) -> int:
+    """Return how many cells of the grid a job simulates, where conditions form so many groups, see `plan`."""
+    return study.cells_per_job or max(LEAST_CELLS, math.ceil(len(study.cells) * groups / JOBS))
 
 
 def conditions_by_shape(study: Study) -> list[list[Condition]]:

@@ -4,14 +4,18 @@ A calibration simulates curves and derivatives until it has converged, and a dia
 neither number is known beforehand. The numbers here are those of the epoxy study, of a small study with three
 mechanisms, and of a drafted study of a public recording (docs/measurements.md) on a free core, at ``accuracy:
 standard``; a study may well take half or twice as long, and a diagnosis of a law with flow that does not suit three
-times. Replicates make the noise known, so that few sets of effects remain likely beside the best one; without them, and
-where tests of an elastic law leave an imprint, a diagnosis fits many. Under a pyramid snapshots and searches are those
-of the equivalent cone, and fits simulate a few curves of the pyramid besides.
+times. Replicates make the noise known, so that a calibration needs one search and few sets of effects remain likely
+beside the best one; without them a calibration searches from many places, and a diagnosis fits many sets, as it does
+where tests of an elastic law leave an imprint. Under a pyramid snapshots and searches are those of the equivalent cone,
+and fits simulate a few curves of the pyramid besides.
+
+On several cores jobs that do not wait for each other run side by side, and a diagnosis begins fits that it may need.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,14 +25,15 @@ from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import files_of
 from palpate.diagnosis.candidates import candidates
 from palpate.materials.families import FAMILIES
-from palpate.solver.store import conditions_by_shape
+from palpate.solver.store import cells_of_a_job, conditions_by_shape
 
 CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.09  # s of processor time of one curve of 100 points
 GEL = "gel"  # the family without a law that yields
 YIELDS = "yield_stress"  # the parameter of bodies that yield
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
 CHOICE, APART = 400, 150  # curves of one condition until a law is chosen; more for each that is fitted in any case
-CALIBRATION = 160  # curves of one condition
+CALIBRATION = 160  # curves of one condition in a calibration with replicates
+CALIBRATION_ALONE = 500  # the same without, where searches begin at many places
 DIAGNOSIS = 280  # curves of one condition in any diagnosis
 EXPLANATION = 14  # further ones for each mechanism that is considered, with replicates
 ALONE = 180  # the same without, or where the law cannot suit
@@ -37,31 +42,37 @@ FURTHER = 0.3  # of that, for each further condition: conditions are solved toge
 PYRAMID = 21.0 / CREEP  # times that, one curve of the pyramid at few points: of the epoxy 21 s (docs/pyramid.md)
 PYRAMIDS = 3  # such curves of one condition, at most in a calibration (docs/pyramid.md), and about in a diagnosis
 STANDARD = "standard"  # the accuracy for which these times hold
-SURROGATE = 2.0  # s, of the surrogate of one condition
-START = 3.0  # s, until a job has imported what a calibration or a diagnosis needs
+START = 3.0  # s, until a job has imported what it needs
+SURROGATE = 3.5  # s, of the surrogate of one condition
+PLANNING = 4.0  # s, of Snakemake itself
+DIAGNOSIS_THREADS = 2  # of one diagnosis (workflow/rules/diagnosis.smk)
 OTHERS = {"laboratory": 20.0, "figures": 6.0, "report": 3.0, "tracking": 8.0}  # s, of the jobs of these rules
 COMPILING = 90.0  # s, the first time that palpate runs on a machine
 
 
 def expected(study: Study, cores: int) -> Iterator[str]:
     """Yield the time that a study is expected to take on so many cores, and its parts."""
-    curves = len(study.cells) * len(conditions_by_shape(study))
-    cost = _cost_of_curve(study)
-    choice = _choice(study, cost)
-    snapshots = cost * curves / cores
-    sets = [_calibration(cost, len(members)) for members in study.condition_sets.values()]
-    fits = len(study.recordings) * sum(sets)
-    mechanisms = len(candidates(study)) if study.diagnosis.enabled and study.recordings else 0
-    explanations = sum(_diagnosis(study, cost, name) for name in study.recordings) if mechanisms else 0.0
-    searches = len(study.recordings) * (len(study.condition_sets) + (mechanisms > 0))
+    jobs, cost, sets = job_seconds(study), _cost_of_curve(study), study.recordings
+    groups = len(conditions_by_shape(study))
+    mechanisms = len(candidates(study)) if study.diagnosis.enabled and sets else 0
+    threads = min(cores, DIAGNOSIS_THREADS)
+    calibrations = [
+        _calibration(study, cost, name, len(each)) for name in sets for each in study.condition_sets.values()
+    ]
+    diagnoses = [_diagnosis(study, cost, name) / threads for name in sets] if mechanisms else []
+    choice = jobs["choose_law"]
+    snapshots = _clock([jobs["snapshots"]] * (groups * _batches(study, groups)), cores)
+    laboratories = jobs["laboratory"] * len(study.laboratory) / cores
+    surrogates = _clock([jobs["surrogate"]] * len(study.calibrated), cores)
+    fits, explanations = _clock(calibrations, cores), _clock(diagnoses, cores // threads)
+    searches = len(sets) * (len(study.condition_sets) + (mechanisms > 0))
     pyramids = searches * PYRAMIDS * sum(not study.tip_of(each).of_revolution for each in study.conditions)
     accurate = cost * PYRAMID * pyramids
-    jobs = [seconds for rule, seconds in OTHERS.items() if rule != "laboratory" or study.laboratory]
-    others = sum(jobs) + SURROGATE * len(study.calibrated)
-    total = choice + snapshots + fits + explanations + accurate + others
+    others = PLANNING + START * (1 + len(sets)) + jobs["figures"] + jobs["report"] + jobs["tracking"]
+    total = choice + snapshots + laboratories + surrogates + fits + explanations + accurate + others
     parts = [f"choice of the law {time_in_words(choice)}"] if choice else []
-    parts += [f"{curves} snapshots {time_in_words(snapshots)}"]
-    parts += [f"calibration {time_in_words(fits)}"] if study.recordings else []
+    parts += [f"{len(study.cells) * groups} snapshots {time_in_words(snapshots)}"]
+    parts += [f"calibration {time_in_words(fits)}"] if sets else []
     parts += [f"diagnosis of {mechanisms} mechanisms {time_in_words(explanations)}"] if mechanisms else []
     parts += [f"up to {pyramids} curves of the pyramid {time_in_words(accurate)}"] if pyramids else []
     processors = f"{cores} free core{'s' if cores > 1 else ''}"
@@ -72,23 +83,30 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     )
 
 
-def job_seconds(study: Study, batches: int) -> dict[str, float]:
-    """Return the time that a job of each rule is expected to take on a free core [s], by the beginning of its name.
-
-    Parameters
-    ----------
-    batches
-        Jobs that compute snapshots.
-    """
-    cost = _cost_of_curve(study)
+def job_seconds(study: Study) -> dict[str, float]:
+    """Return the time that a job of each rule is expected to take on a free core [s], by the beginning of its name."""
+    cost, groups = _cost_of_curve(study), len(conditions_by_shape(study))
+    conditions = len(study.calibrated)
     return {
         "choose_law": _choice(study, cost),
-        "snapshots": cost * len(study.cells) * len(conditions_by_shape(study)) / max(batches, 1),
+        "snapshots": START + cost * len(study.cells) / _batches(study, groups),
         "surrogate": SURROGATE,
-        "calibration": _calibration(cost, len(study.calibrated)),
+        "calibration": max((_calibration(study, cost, name, conditions) for name in study.recordings), default=0.0),
         "diagnosis": max((_diagnosis(study, cost, name) for name in study.recordings), default=0.0),
+        "main_calibration": START,
+        "snapshot_index": START,
         **OTHERS,
     }
+
+
+def _batches(study: Study, groups: int) -> int:
+    """Return how many jobs simulate the snapshots of one of so many groups of conditions."""
+    return math.ceil(len(study.cells) / cells_of_a_job(study, groups))
+
+
+def _clock(jobs: Sequence[float], cores: int) -> float:
+    """Return the time until independent jobs have ended on so many cores [s]: no less than the longest takes."""
+    return max(max(jobs, default=0.0), sum(jobs) / cores)
 
 
 def _together(cost: float, conditions: int) -> float:
@@ -104,15 +122,21 @@ def _choice(study: Study, cost: float) -> float:
     return START + curves * _together(cost, len(study.calibrated))
 
 
-def _calibration(cost: float, conditions: int) -> float:
-    """Return the time of a calibration on so many conditions [s]."""
-    return START + CALIBRATION * _together(cost, conditions)
+def _calibration(study: Study, cost: float, recordings: str, conditions: int) -> float:
+    """Return the time of the calibration of a set of recordings on so many conditions [s]."""
+    curves = CALIBRATION if _replicated(study, recordings) else CALIBRATION_ALONE
+    return START + curves * _together(cost, conditions)
+
+
+def _replicated(study: Study, recordings: str) -> bool:
+    """Return whether a set of recordings has about two or more tests of each condition."""
+    return len(files_of(study, recordings)) >= 2 * len(study.tested)
 
 
 def _diagnosis(study: Study, cost: float, recordings: str) -> float:
     """Return the time of the diagnosis of a set of recordings [s]."""
-    files = files_of(study, recordings)
-    few = len(files) >= 2 * len(study.tested) and not (_is_elastic(study) and any(map(_left_imprint, files[:1])))
+    imprint = _is_elastic(study) and any(map(_left_imprint, files_of(study, recordings)[:1]))
+    few = _replicated(study, recordings) and not imprint
     names = [{parameter.name for parameter in mechanism.parameters} for mechanism in candidates(study).values()]
     explained = sum(_cost_of_curve(study, YIELDS in added) for added in names)
     curves = DIAGNOSIS * cost + (EXPLANATION if few else ALONE) * explained
