@@ -1,7 +1,9 @@
 """What no library holds, in four kinds: other laws, lengths, clocks and reversals.
 
-Each gives the change (n,) [nm] of a depth at a strength of one; the strength follows from a wanted misfit, see
-`studies.claims.sets`.
+A law changes depth / sqrt(load) by a functional of the normalised load up to now, the same at all loads, and knows
+nothing of what is to come; a length or a load of its own breaks that; a clock goes on whatever the load; what belongs
+to a reversal fades after it. Each gives the change (n,) [nm] of a depth at a strength of one; the strength follows from
+a wanted misfit, see `studies.claims.sets`.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from studies.coverage.creep import cole_cole, depth, log_normal
 Departure = Callable[[Protocol, np.ndarray, Compliance, np.random.Generator], np.ndarray]
 
 SLOW = 0.1  # of a test, over which a random walk is smoothed
+SLIPS = 3  # in a test
 SETTLES = 0.03  # of a test, in which an overshoot fades
 BLUNT = 50.0  # nm, below which the square of the depth prevails again
 CRACKED = 1.0  # mN, from which on cracks grow
@@ -34,12 +37,6 @@ def _with_elements(elements: tuple[tuple[float, float], ...]) -> Departure:
     return change
 
 
-def logarithmic(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Creep with the logarithm of time (L. C. E. Struik 1978)."""
-    share = np.sqrt(protocol.sample_load / protocol.max_load)
-    return curve * share * np.log1p(protocol.sample_time / 0.5)
-
-
 def hardened(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
     """Recover less at unloading than a viscoelastic body, as one that has hardened."""
     peak = int(np.argmax(curve))
@@ -47,11 +44,10 @@ def hardened(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.r
 
 
 def eyring(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Creep with the hyperbolic sine of the load (H. Eyring 1936)."""
-    share = protocol.sample_load / protocol.max_load
-    time = np.append(0.0, protocol.sample_time)
-    flow = np.cumsum(np.sinh(3.0 * share) * np.diff(time)) / time[-1]
-    return curve.max() * flow
+    """Flow with the hyperbolic sine of the mean pressure (H. Eyring 1936), in units of the elastic body's."""
+    time, elastic = np.append(0.0, protocol.sample_time), depth(Compliance(solid.instantaneous, 0.0, ()), protocol)
+    pressure = np.divide(elastic, curve, out=np.zeros_like(curve), where=curve > 0.0) ** 2
+    return np.cumsum(curve * np.sinh(3.0 * pressure) * np.diff(time))
 
 
 def cracking(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
@@ -70,6 +66,11 @@ def vibration(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.
     return curve * np.exp(-protocol.sample_load / LIGHT)
 
 
+def settling(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Creep of the glue under the specimen, with the logarithm of time."""
+    return protocol.sample_load * np.log1p(protocol.sample_time / 5.0)
+
+
 def random_walk(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
     """Wander slowly, alike in the replicates of a test."""
     time = np.append(0.0, protocol.sample_time)
@@ -77,9 +78,11 @@ def random_walk(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: n
     return gaussian_filter1d(walk, SLOW * len(curve), mode="nearest")
 
 
-def settling(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
-    """Creep of the glue under the specimen, with the logarithm of time."""
-    return protocol.sample_load * np.log1p(protocol.sample_time / 5.0)
+def slips(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
+    """Have a specimen that slips in its mount now and then, by about as much each time."""
+    time = protocol.sample_time / protocol.sample_time[-1]
+    when, size = rng.random(SLIPS), rng.standard_normal(SLIPS)
+    return (time[:, None] > when) @ size
 
 
 def overshoot(protocol: Protocol, curve: np.ndarray, solid: Compliance, rng: np.random.Generator) -> np.ndarray:
@@ -105,11 +108,11 @@ DEPARTURES: dict[str, dict[str, Departure]] = {
     "scaling": {
         "log_normal": _with_elements(log_normal(20.0, 1.0)),
         "cole_cole": _with_elements(cole_cole(20.0, 0.5)),
-        "logarithmic": logarithmic,
+        "logarithmic": _with_elements(tuple((1.0 / 3.0, float(time)) for time in np.geomspace(0.5, 5e3, 13))),
         "hardened": hardened,
         "eyring": eyring,
     },
-    "length": {"cracking": cracking, "area_function": area_function, "vibration": vibration},
-    "clock": {"random_walk": random_walk, "settling": settling},
+    "length": {"cracking": cracking, "area_function": area_function, "vibration": vibration, "settling": settling},
+    "clock": {"random_walk": random_walk, "slips": slips},
     "reversal": {"overshoot": overshoot, "ringing": ringing},
 }

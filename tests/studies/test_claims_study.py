@@ -54,6 +54,23 @@ def test_what_departs_leaves_the_wanted_misfit_after_a_refit():
     assert np.sqrt(np.mean(rest**2)) == pytest.approx(case.misfit, rel=1e-6)
 
 
+@pytest.mark.parametrize("kind", DEPARTURES)
+def test_a_law_obeys_the_scaling_law_and_knows_only_the_past_and_what_has_a_length_does_not(kind):
+    """At nine times the load a law changes three times the depth; two tests are alike until one of them turns."""
+    small, large = (trapezoid(load, 20.0, 20.0, 20.0, points=60) for load in (1.0, 9.0))
+    longer = trapezoid(18.0, 40.0, 20.0, 20.0, points=60)
+    for change in DEPARTURES[kind].values():
+        of_small, of_large, of_longer = (
+            change(test, depth(SOLID, test), SOLID, np.random.default_rng(0)) for test in (small, large, longer)
+        )
+        scales = np.allclose(of_large, 3.0 * of_small, rtol=1e-6, atol=1e-6 * np.abs(of_large).max())
+        assert scales == (kind == "scaling")
+        if scales:
+            until = np.linspace(1.0, 19.0, 10)
+            before, after = (np.interp(until, t.sample_time, c) for t, c in ((large, of_large), (longer, of_longer)))
+            assert after == pytest.approx(before, abs=0.03 * np.abs(of_large).max())
+
+
 def test_sets_come_from_their_number_alone_and_every_kind_has_nulls():
     cases = draw(range(100), SEED)
     assert [each.kind for each in cases[:5]] == list(KINDS)
