@@ -37,15 +37,16 @@ def parameters(found: Answer) -> str:
     accepted, verdict = bool(found.saved.accepted), found.verdict
     whichever = any(entry["over_all_sets"] for entry in found.parameters)
     heads = ["parameter", "estimate (95 %)"] + (["base model (95 %)"] if accepted else [])
-    heads += (["whichever effects act (95 %)"] if whichever else []) + ["identified"]
+    heads += ["whichever effects act (95 %)"] if whichever else []
     rows = []
     for entry in found.parameters:
         unit = unit_html(entry["unit"])
         name = f"{html.escape(in_words(entry['name']))}{f' [{unit}]' if unit else ''}"
-        cells = [name, f'<span class="accepted">{interval_of(entry)}</span>']
+        unknown = "" if entry["identified"] else '<br><span class="soft">not identified</span>'
+        cells = [name, f'<span class="accepted">{interval_of(entry)}</span>{unknown}']
         cells += [interval_of(entry["before"])] if accepted else []
         cells += [interval_of(entry["over_all_sets"])] if whichever else []
-        rows.append("".join(f"<td>{cell}</td>" for cell in [*cells, "yes" if entry["identified"] else "no"]))
+        rows.append("".join(f"<td>{cell}</td>" for cell in cells))
     with_effects = "accepted model" if verdict != "ambiguous" else "best of the explanations"
     caption = f"Parameters of the {with_effects if accepted else 'base model'}"
     if verdict == "unexplained":
