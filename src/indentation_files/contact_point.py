@@ -126,7 +126,9 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     left = departure(force, path)
     if left and upper > path[0]:
         contact, lower, upper = left.mended(contact, lower, upper)
-        lower = max(lower, path[0]) if approach else lower
+        if approach:
+            lower, upper = left.extended(lower, upper)
+            lower = max(lower, path[0])
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))

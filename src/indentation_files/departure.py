@@ -64,17 +64,21 @@ class Departure:
         """Return a contact and its interval [nm]: these, or others where the load in air contradicts them.
 
         It does where contact lies beyond air, or the whole interval long before the load leaves the air. The interval
-        then holds both. It is extended where it lies beyond every law that begins in the air, as under a soft layer, or
-        before all of them, as where a baseline bends.
+        then holds both.
         """
         farthest = self.clear - LONG * (self.clear - self.earliest)
         if contact > self.loaded or upper < farthest:
             return self.likely, min(farthest, self.likely, lower), max(self.loaded, upper)
+        return contact, lower, upper
+
+    def extended(self, lower: float, upper: float) -> tuple[float, float]:
+        """Return an interval of contact [nm], extended to the laws that begin in the air where it lies beside all.
+
+        Beyond them it lies as under a soft layer, before them as where a baseline bends.
+        """
         if lower > self.latest:
             lower = min(lower, self.earliest)
-        if upper < self.earliest:
-            upper = self.clear
-        return contact, lower, upper
+        return lower, self.clear if upper < self.earliest else upper
 
 
 def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
