@@ -17,7 +17,7 @@ from scipy.ndimage import median_filter
 from indentation_files.baseline import FOR_CURVE, FOR_OFFSET
 from indentation_files.channel_noise import long_run_noise, noise_of
 from indentation_files.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
-from indentation_files.departure import departure
+from indentation_files.departure import departure, faint_rise
 from indentation_files.errors import InputError
 
 LOADED = 0.1  # of the rise of the load, that the tip has reached at least where a way in counts
@@ -28,6 +28,9 @@ MOSTLY = 0.95  # of the largest load, where the loading ends
 FAR = 8.0  # ways in, chosen: farther air adds nothing to the baseline, and steps along it would miss the test
 STILL = 0.05  # of the load's range, chosen: within which the load in far air varies
 THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
+LAYER = 2.0  # of the way into the body, chosen: soft layers whose load is faint are no thicker
+WIDER = 1.05  # times the posterior's width, chosen on development curves: baselines differ from all on trial
+ROUNDING = 1e-6  # of the load's range, that a load without noise may differ by
 BESIDE = 3  # points on either side of contact, chosen: their steps show how far apart points are there
 MODEL_ERROR = 0.002  # of the way in, chosen on curves without noise: no law describes a body more closely
 
@@ -117,10 +120,15 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
         if retreated or found.in_air >= FOR_OFFSET:
             break
     contact, lower, upper = (path[0] + way * share for share in (found.contact, found.lower, found.upper))
+    lower, upper = contact + WIDER * (lower - contact), contact + WIDER * (upper - contact)
     contact, lower = _before(contact, lower, instants, force, path)
+    lower = _of_soft_layer(lower, force, path)
     left = departure(force, path)
     if left and upper > path[0]:
         contact, lower, upper = left.mended(contact, lower, upper)
+        if approach:
+            lower, upper = left.extended(lower, upper)
+            lower = max(lower, path[0])
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
@@ -151,6 +159,15 @@ def _before(contact: float, lower: float, time: np.ndarray, load: np.ndarray, de
     if air < FEWEST or (air < FOR_CURVE and rises_steadily(load[:air])):
         lower = min(lower, float(depth[0]))
     return contact, lower
+
+
+def _of_soft_layer(lower: float, load: np.ndarray, depth: np.ndarray) -> float:
+    """Return the lower end of an interval, moved to where the load rises faintly before it, as under a soft layer."""
+    air = int(np.argmax(depth > lower))
+    noise = max(long_run_noise(load), ROUNDING * float(np.ptp(load)))
+    begin = faint_rise(load[:air], depth[:air], noise)
+    thin = LAYER * float(depth[-1] - lower)
+    return lower if begin is None or lower - begin > thin else min(lower, begin)
 
 
 def _without_far_air(

@@ -8,6 +8,9 @@ load there stands clear of what the part before foretells: :math:`x^m` with m > 
 The load P beyond contact grows with the way x into the body as :math:`x^m`, with m up to 2.5: where P becomes four
 times as large, x becomes at least 1.74 times as large. That bounds how long before it stands clear the load began to
 rise.
+
+Under a soft layer the load may rise by too little to stand clear. Where the air holds nothing but a straight line,
+noise and such a rise at its end, that is found by least squares (`faint_rise`).
 """
 
 from __future__ import annotations
@@ -28,7 +31,14 @@ SPREAD = 4.0  # standard deviations of their noise, by which averages lie apart 
 FOURFOLD, BEYOND_DOUBT = 4.0, 20.0  # times what stands clear, chosen
 LONG = 2.0  # times as long before the load stands clear as the steepest law begins, chosen: no contact lies farther
 MATTERS = 0.03  # of the largest load, chosen: less may be a baseline that curves before contact
-STEEPEST, USUAL = 2.5, 1.5  # largest exponent m, and a sphere's
+EXPONENTS = (2.5, 1.5, 1.0)  # largest exponent m, a sphere's and a punch's
+AIR = 60  # averages of the air in which a faint rise is sought, chosen
+BEGINS = np.linspace(0.02, 0.9, 45)  # shares of the air, from which on it may rise
+SPHERE = 1.5  # exponent of a faint rise
+SURELY = 40.0  # times the variance of what is left, by which the rise explains more than a line does, chosen
+TALL = 6.0  # standard deviations of what is left, by which it rises at least, chosen
+CLEAN = 2.0  # times the noise's variance, that is left at most: no wave, no transient, chosen
+AS_LIKELY = 10.0  # times the variance of what is left, by which begins explain less that are possible too, chosen
 ROUNDING = 1e-9  # of the variance of all depths: averages at one depth determine no slope
 
 
@@ -38,14 +48,15 @@ class Departure:
 
     Attributes
     ----------
-    earliest, likely
-        Where laws with the exponents 2.5 and 1.5 begin that stand clear as the load does.
+    earliest, likely, latest
+        Where laws with the exponents 2.5, 1.5 and 1 begin that stand clear as the load does.
     clear, loaded
         From here on the load stands clear, and so far that it is no air.
     """
 
     earliest: float
     likely: float
+    latest: float
     clear: float
     loaded: float
 
@@ -59,6 +70,15 @@ class Departure:
         if contact > self.loaded or upper < farthest:
             return self.likely, min(farthest, self.likely, lower), max(self.loaded, upper)
         return contact, lower, upper
+
+    def extended(self, lower: float, upper: float) -> tuple[float, float]:
+        """Return an interval of contact [nm], extended to the laws that begin in the air where it lies beside all.
+
+        Beyond them it lies as under a soft layer, before them as where a baseline bends.
+        """
+        if lower > self.latest:
+            lower = min(lower, self.earliest)
+        return lower, self.clear if upper < self.earliest else upper
 
 
 def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
@@ -90,10 +110,42 @@ def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
         reached[np.argmax(rises > level) if rises[-1] > level else -1]
         for level in (FOURFOLD * stands, max(FOURFOLD * stands, min(MATTERS * rises[-1], BEYOND_DOUBT * least[learnt])))
     )
-    earliest, likely = (min(clear - (four - clear) / (FOURFOLD ** (1 / m) - 1), last) for m in (STEEPEST, USUAL))
+    earliest, likely, latest = (min(clear - (four - clear) / (FOURFOLD ** (1 / m) - 1), last) for m in EXPONENTS)
     if first < 2 * FEWEST:
         likely = depth[0]
-    return Departure(*(float(end) for end in (min(earliest, 2 * last - clear), likely, clear, loaded)))
+    return Departure(*(float(end) for end in (min(earliest, 2 * last - clear), likely, latest, clear, loaded)))
+
+
+def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float) -> float | None:
+    """Return the least depth [nm] from which the load in air (n,) [mN] may rise as under a sphere; None if it does not.
+
+    Parameters
+    ----------
+    load, depth
+        What was taken for air.
+    noise
+        Of a load [mN], over many points.
+    """
+    size = min(len(load), AIR)
+    if size < 2 * FEWEST or np.ptp(depth) == 0.0:
+        return None
+    edges = np.linspace(0, len(load), size + 1).round().astype(int)
+    force, way = (np.add.reduceat(channel, edges[:-1]) / np.diff(edges) for channel in (load, depth))
+    way = (way - depth[0]) / np.ptp(depth)
+    line = np.linalg.qr(np.column_stack([np.ones(size), way]))[0]
+    rises = np.clip(way[:, None] - BEGINS, 0.0, None) ** SPHERE
+    beside, rest = rises - line @ (line.T @ rises), force - line @ (line.T @ force)
+    power = np.maximum(np.sum(beside**2, axis=0), ROUNDING)
+    height = rest @ beside / power
+    left = np.where(height > 0, np.maximum(rest @ rest - height**2 * power, 0.0), np.inf) / size
+    best = int(np.argmin(left))
+    least = max(float(left[best]), 1e-300)
+    gained = rest @ rest / least - size
+    tall = float(height[best] * rises[-1, best]) > TALL * least**0.5
+    if not (tall and gained > SURELY and least < CLEAN * noise**2 * size / len(load)):
+        return None
+    begin = BEGINS[np.argmax(size * (left / least - 1) < AS_LIKELY)]
+    return float(depth[0] + np.ptp(depth) * begin)
 
 
 def _beyond_lines(force: np.ndarray, way: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:

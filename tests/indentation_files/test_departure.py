@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from indentation_files import departure as settings
-from indentation_files.departure import departure
+from indentation_files.departure import departure, faint_rise
 
 CONTACT, AIR = 600.0, 1000.0
 
@@ -30,7 +30,7 @@ def test_contact_lies_between_the_ends(exponent, tilt, drop):
 def test_ends_scale_with_load_and_depth_and_move_with_them():
     load, depth = loading()
     plain, moved = departure(load, depth), departure(5.0 * load + 7.0, 3.0 * depth - 100.0)
-    for end in ("earliest", "likely", "clear", "loaded"):
+    for end in ("earliest", "likely", "latest", "clear", "loaded"):
         assert getattr(moved, end) == pytest.approx(3.0 * getattr(plain, end) - 100.0, abs=1e-6)
 
 
@@ -64,3 +64,24 @@ def test_what_is_replaced_does_not_hang_on_a_chosen_number(monkeypatch, name, ti
     kept = (CONTACT, CONTACT - 5.0, CONTACT + 5.0)
     assert found.mended(*kept) == kept
     assert found.mended(CONTACT + 700.0, CONTACT + 695.0, CONTACT + 705.0)[0] < CONTACT + 100.0
+
+
+def air(rise=0.0, wave=0.0, tilt=0.0, noise=1e-3, seed=1):
+    """Air of 1000 nm whose load may rise from 400 nm on as under a sphere, or wave with a period of 300 nm."""
+    depth = np.linspace(0.0, 1000.0, 600)
+    load = rise * np.clip(depth / 600.0 - 2 / 3, 0.0, None) ** 1.5 + tilt * depth / 1000.0
+    load += wave * np.sin(2 * np.pi * depth / 300.0)
+    return load + noise * np.random.default_rng(seed).standard_normal(len(depth)), depth
+
+
+@pytest.mark.parametrize("tilt", [-0.1, 0.0, 0.1])
+@pytest.mark.parametrize("rise", [8e-3, 3e-2])
+def test_a_faint_rise_begins_where_a_soft_layer_is_touched(rise, tilt):
+    load, depth = air(rise, tilt=tilt)
+    assert 200.0 < faint_rise(load, depth, 1e-3) <= 410.0
+
+
+@pytest.mark.parametrize("disturbed", [{}, {"tilt": 0.1}, {"wave": 5e-3}, {"wave": 5e-3, "rise": 8e-3}, {"rise": 5e-4}])
+def test_no_faint_rise_in_air_that_is_straight_or_waves(disturbed):
+    load, depth = air(**disturbed)
+    assert faint_rise(load, depth, 1e-3) is None

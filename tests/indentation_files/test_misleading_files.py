@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from indentation_files.contact_interval import interval_of
 from indentation_files.contact_of_replicates import disagreeing
 from indentation_files.readers import ColumnMap, Unreadable, VendorTest, read_each, read_vendor_file
-from indentation_files.readers.tagged import averages
+from indentation_files.readers.tagged import AVERAGED, averages
 from indentation_files.recording import Recording
 from palpate.errors import InputError
 
@@ -87,6 +88,28 @@ def test_the_mean_is_known_by_its_numbers_and_no_replicate_is_taken_for_it():
         assert [test.name for test in averages([*tests, mean]) if test.uncounted] == ["whole"]
 
 
+@pytest.mark.parametrize(
+    "name", ["Provino medio", "Media de probetas", "Mittlere Kurve", "Courbe moyenne", "Mean curve (n=3)"]
+)
+def test_the_mean_is_known_by_its_name(name):
+    assert AVERAGED.fullmatch(name)
+
+
+@pytest.mark.parametrize("controlled", ["load", "depth"])
+def test_the_mean_of_tests_under_one_program_is_known_to_the_last_digit(controlled):
+    rng = np.random.default_rng(8)
+    time = np.arange(0.0, 60.0, 0.2)
+    program = np.minimum(time, 60.0 - time) / 30.0
+    for _ in range(10):
+        alike = program.round(5) + np.zeros((5, 1))
+        other = (1 + 0.02 * rng.standard_normal((5, 1))) * program**2 + 1e-3 * rng.standard_normal((5, 300))
+        load, depth = (alike, (500.0 * other).round(2)) if controlled == "load" else (other.round(5), 500.0 * alike)
+        tests = [VendorTest(f"T{k}", Recording(time, load[k], depth[k], f"T{k}")) for k in range(5)]
+        assert [test.name for test in averages(tests) if test.uncounted] == []
+        mean = Recording(time, load.mean(axis=0).round(5), depth.mean(axis=0).round(2), "whole")
+        assert [test.name for test in averages([*tests, VendorTest("whole", mean)]) if test.uncounted] == ["whole"]
+
+
 def test_the_library_s_own_reason_is_told():
     pytest.importorskip("afmformats")
     with pytest.raises(InputError, match="constant-height-pause") as told:
@@ -101,13 +124,65 @@ def test_a_curve_saved_by_afmformats_as_tab_is_read_with_its_spring():
     assert np.ptp(test.recording.load) < 1e-4
 
 
-def test_a_test_of_kla_as_csv_is_read_as_its_sheet():
-    (test,) = read_vendor_file(CASES / "kla_export_as_csv/Test 001.CSV")
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_a_test_of_kla_as_csv_is_read_as_its_sheet(tmp_path, separator):
+    text = (CASES / "kla_export_as_csv/Test 001.CSV").read_text(encoding="latin1")
+    if separator != ",":
+        text = text.replace(",", separator).replace(".", ",")
+    (tmp_path / "Test 001.CSV").write_text(text, encoding="latin1")
+    (test,) = read_vendor_file(tmp_path / "Test 001.CSV")
     assert test.marked
     assert test.recording.load.max() == pytest.approx(45.0, abs=0.01)
     assert np.nanmax(test.recording.stiffness) == pytest.approx(0.186)
     stated = {name.split()[0]: value for name, value in test.metadata.items()}
     assert (stated["Modulus"], stated["Hardness"]) == ("70.6", "9.3")
+
+
+def _written(path, heading, *columns):
+    rows = ("\t".join(f"{value:.7g}" for value in row) for row in zip(*columns, strict=True))
+    path.write_text("\n".join([heading, *rows]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("thickness", "stiffness", "approach", "size"), [(0.6, 0.02, 0.5, 300), (0.3, 0.05, 0.4, 400), (0.5, 0.1, 0.2, 130)]
+)
+def test_contact_under_a_soft_layer_is_never_surely_wrong(tmp_path, thickness, stiffness, approach, size):
+    """Its load stays below 4 % of the largest, or rises from the air by hardly more than the noise."""
+    way = np.r_[np.linspace(-approach, 1.0, size), np.linspace(1.0, 0.5, size // 3)]
+    load = np.clip((way - thickness) / (1 - thickness), 0.0, None) ** 2 + stiffness * np.clip(way, 0.0, None) ** 1.5
+    load[size:] = load[size - 1] * np.linspace(1.0, 0.0, size // 3)
+    load += 6e-4 * np.random.default_rng(size).standard_normal(len(load))
+    time = 0.1 * np.arange(len(way))
+    file = _written(
+        tmp_path / "tissue.txt", "Time (s)\tForce (N)\tTravel (mm)", time, 40.0 * load, 9.0 * (way + approach)
+    )
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    lower, upper = interval_of(test.recording)
+    assert lower <= test.recording.depth.max() - 9.0e6 <= upper, "the contact found less the true one"
+    assert any("is known to" in said for said in test.warnings)
+
+
+@pytest.mark.parametrize(("rest", "told"), [(-0.03, True), (-0.002, False), (0.03, False)])
+def test_a_load_that_is_negative_by_little_is_told(tmp_path, rest, told):
+    load = np.r_[np.linspace(0.0, 1.0, 300), np.linspace(1.0, 0.0, 100)]
+    noisy = load + rest + 1e-3 * np.random.default_rng(1).standard_normal(400)
+    file = _written(tmp_path / "a.txt", "t (s)\tP (mN)\th (nm)", 0.1 * np.arange(400), 10.0 * noisy, 500.0 * load**0.5)
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert any("begins under" in said for said in test.warnings) == told
+    assert test.recording.time[-1] > 39.0
+
+
+def test_a_tip_that_retreats_from_a_large_preload_is_seen(tmp_path):
+    rng = np.random.default_rng(5)
+    up = np.linspace(0.0, 150.0, 1500)
+    away = np.linspace(0.0, -900.0, 300)
+    depth = np.r_[away, away[::-1] - 90.0, 3.2 * up**0.7 * 10.0 - 90.0] + 0.15 * rng.standard_normal(2100)
+    load = np.r_[np.where(away > -90.0, 8.0 + away / 11.25, 0.0), np.zeros(300), up] + 0.04 * rng.standard_normal(2100)
+    file = _written(tmp_path / "a.txt", "t (s)\tP (mN)\th (nm)", 0.01 * np.arange(2100), load, depth)
+    (test,) = read_vendor_file(file, columns=NUMBERED)
+    assert test.recording.depth.max() == pytest.approx(32.0 * 150.0**0.7, rel=0.01)
+    assert any("the tip retreats by" in said for said in test.warnings)
 
 
 def test_replicates_whose_contacts_disagree_are_told():

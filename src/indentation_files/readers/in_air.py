@@ -10,7 +10,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 from indentation_files.borne_load import OUTLIER
 from indentation_files.channel_noise import noise_of, noises_of
 from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, loading
-from indentation_files.departure import departure
+from indentation_files.departure import Departure, departure
 from indentation_files.errors import InputError
 from indentation_files.recording import BARELY_LOADED, Recording
 
@@ -31,15 +31,13 @@ FINDS = "--contact auto finds the contact"
 def air_before(recording: Recording) -> ContactPoint | None:
     """Return the contact of a recording that begins in air; None where it does not begin there.
 
-    It does where the whole 95 % interval of the contact lies deeper than its first point by more than a share of the
-    test's depth, or where the tip retreats by as much before it touches. The search is made only where a load that
-    stays in its noise, or leaves the air late, gives reason to.
+    It does where the contact lies deeper than its first point by more than a share of the test's depth, with its whole
+    95 % interval or by the load in air alone, or where the tip retreats by as much before it touches. The search is
+    made only where a load that stays in its noise, or leaves the air late, gives reason to.
     """
-    if (
-        resting(recording.load, recording.depth) <= SHARE
-        and share_before_departure(recording) <= SHARE
-        and not _retreats(recording)
-    ):
+    left = _left(recording)
+    rests = resting(recording.load, recording.depth) > SHARE
+    if not (rests or _leaves_late(recording, left) or _retreats(recording)):
         return None
     try:
         point = first_touch(recording.time, recording.load, recording.depth)
@@ -47,13 +45,15 @@ def air_before(recording: Recording) -> ContactPoint | None:
         return None
     far = SHARE * (float(recording.depth.max()) - point.depth)
     retreated = retreat_before(recording, point) > max(far, CLEAR * noise_of(recording.depth))
-    deeper = point.lower > recording.depth[0] + far
-    return point if retreated or deeper else None
+    surely = point.lower
+    if left is not None and "zero" not in point.baseline_terms:
+        surely = max(surely, min(point.depth, left.likely))
+    return point if retreated or surely > recording.depth[0] + far else None
 
 
 def seems_in_air(r: Recording) -> bool:
     """Return whether the tip retreats at first, or a load shows air that stays in its noise and leaves the air late."""
-    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and share_before_departure(r) > SHARE)
+    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and _leaves_late(r, _left(r)))
 
 
 def retreat_before(recording: Recording, point: ContactPoint) -> float:
@@ -82,11 +82,15 @@ def resting(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
     return np.where(left < FIRST, 0.0, grown / np.maximum(np.ptp(depth, axis=-1), 1e-300))
 
 
-def share_before_departure(r: Recording) -> float:
-    """Return by which share of its largest the depth grows before the load stands clear of what it does in air."""
+def _left(r: Recording) -> Departure | None:
+    """Return where the load of the loading leaves the air; None where that is not seen."""
     first, last = loading(r.load, r.depth)
-    found = departure(r.load[first : last + 1], r.depth[first : last + 1])
-    return (found.clear - float(r.depth[0])) / max(float(np.ptp(r.depth)), 1e-300) if found else 0.0
+    return departure(r.load[first : last + 1], r.depth[first : last + 1])
+
+
+def _leaves_late(r: Recording, left: Departure | None) -> bool:
+    """Return whether the depth grows by much before the load stands clear of what it does in air."""
+    return left is not None and left.clear - float(r.depth[0]) > SHARE * float(np.ptp(r.depth))
 
 
 def _retreats(r: Recording) -> bool:
@@ -97,8 +101,8 @@ def _retreats(r: Recording) -> bool:
 
 def _first_retreat(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
     """Return by how much the tip moves away from where it begins, under no load to speak of [nm]; channels (..., n)."""
-    loaded = np.argmax(load > PRESSED * load.max(axis=-1, keepdims=True), axis=-1)
-    before = np.arange(load.shape[-1]) <= loaded[..., None]
+    before = np.arange(load.shape[-1]) <= np.argmax(load, axis=-1)[..., None]
+    before &= load <= PRESSED * load.max(axis=-1, keepdims=True)
     return depth[..., 0] - np.where(before, depth, depth[..., :1]).min(axis=-1)
 
 

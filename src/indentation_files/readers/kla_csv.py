@@ -1,8 +1,13 @@
-"""A test of KLA's InView exported as CSV: the columns, the row of units and the markers of a workbook's sheet."""
+"""A test of KLA's InView exported as CSV: the columns, the row of units and the markers of a workbook's sheet.
+
+A spreadsheet program may have written it anew, with semicolons or tabs between the columns and decimal commas.
+"""
 
 from __future__ import annotations
 
 import csv
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +20,9 @@ from indentation_files.readers.units import unit_of
 from indentation_files.readers.vendor import Corrections, Reader, Unreadable, VendorTest, refuse_corrections
 
 HEAD = 2  # rows of names and of units
+SEPARATORS = ",;\t"
+DECIMAL_COMMA = re.compile(r"\A(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)\Z")
+RESULTS = {"modulus", "hardness"}  # columns by which a table without a marker is KLA's
 
 
 @dataclass(frozen=True)
@@ -24,22 +32,30 @@ class AsSheet(Source):
     @cached_property
     def _cells(self) -> Workbook:
         """The cells, each row as long as the row of names."""
-        rows = [row for row in csv.reader(iter(self.lines)) if row]
+        rows = _rows(self.lines)
         width = len(rows[0]) if rows else 0
         return Workbook(sheets={self.path.stem: (1, 1, [[*row, *[""] * width][:width] for row in rows])})
 
 
 def matches(source: Source) -> bool:
-    """Return whether the first line names a marker and a test's channels, and the second gives their units."""
-    head = [row for row in csv.reader(iter(source.lines[:HEAD])) if row]
-    if source.workbook or len(head) < HEAD or len(head[0]) != len(head[1]):
+    """Return whether the first line names a marker, or results, and a test's channels, and the second their units."""
+    head = [] if source.workbook else _rows(source.lines[:HEAD])
+    if len(head) < HEAD or len(head[0]) != len(head[1]):
         return False
     names = [cell.strip().casefold() for cell in head[0]]
-    if not any(marker in names for marker in MARKERS):
+    if not any(marker in names for marker in MARKERS) and not set(names) >= RESULTS:
         return False
     units = dict(zip(names, head[1], strict=True))
     found = {key: next((name for name in spellings if name in names), "") for key, spellings in kla.CHANNELS.items()}
     return all(name and unit_of(key, units[name].strip()) for key, name in found.items())
+
+
+def _rows(lines: Iterable[str]) -> list[list[str]]:
+    """Return the rows of cells that are not empty, parted by the sign that most often stands in the first line."""
+    lines = list(lines)
+    sign = max(SEPARATORS, key=lines[0].count) if lines else ","
+    rows = [row for row in csv.reader(iter(lines), delimiter=sign) if row]
+    return rows if sign == "," else [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in rows]
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:

@@ -23,15 +23,23 @@ from indentation_files.recording import COMPARED, Recording
 TAGGED = re.compile(
     r"(?<![^\W_])(?:tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
 )
-OF_MEAN = r"(?:averages?|avg|means?|median|mittelwerte?|mittel|durchschnitt|moyennes?|promedio|media)"
-OF_TEST = r"(?:tests?|specimens?|samples?|prob(?:e|en)|proben|eprouvettes?|éprouvettes?|essais?|probetas?)"
+OF_MEAN = (
+    r"(?:averages?|avg|means?|median|mittelwerte?|mittel|mittlere[rs]?|durchschnitt|moyenn?es?|promedio|m[eé]di[ao]"
+    r"|gemiddelden?)"
+)
+OF_TEST = (
+    r"(?:tests?|specimens?|samples?|prob(?:e|en)|proben|[eé]prouvettes?|essais?|courbes?|probetas?|provin[oi]|campion[ei]"
+    r"|curvas?|curves?|kurven?|valore?)"
+)
 AVERAGED = re.compile(
-    rf"(?:(?:the )?{OF_MEAN}|{OF_MEAN}[ _-]?(?:curve|kurve|data|of[ _-].*|des[ _-].*|{OF_TEST})"
-    rf"|{OF_TEST}[ _-]?{OF_MEAN}|std|st ?dev|standard deviations?)",
+    rf"(?:(?:the )?{OF_MEAN}|{OF_MEAN}[ _-]?(?:data|of[ _-].*|d(?:e[sil]?|ei)[ _-].*|{OF_TEST})"
+    rf"|{OF_TEST}[ _-]?{OF_MEAN}|std|st ?dev|standard deviations?)(?:[ _-]?\(?n ?= ?\d+\)?)?",
     re.IGNORECASE,
 )
 ALIKE = 1e-3  # of a channel's range, chosen: the mean of rounded and interpolated curves is as near the others' mean
 UNLIKE = 0.03  # of the others' scatter about their mean, chosen: a replicate is seldom as near, in load and depth
+PLACES = range(-6, 13)  # decimal places of a number
+ROUNDING = 1e-9  # of a channel's range: what a computer adds to a number of few digits
 APART = 5.0  # times ALIKE, chosen: by which some of the others lie off their mean
 
 
@@ -72,20 +80,31 @@ def averages(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest | Unre
 
 
 def _is_mean(curve: Recording, others: Sequence[Recording]) -> bool:
-    """Return whether a curve is the mean of two others or more, at equal times of the whole test."""
+    """Return whether a curve is the mean of two others or more, at equal times of the whole test.
+
+    It is where it is as near to their mean as its digits allow, which no replicate with noise of its own is, or where
+    both load and depth are nearer than those of a replicate are.
+    """
     if len(others) < 2:
         return False
     since = [other.time - other.time[0] for other in (curve, *others)]
     time = np.linspace(0.0, min(float(clock[-1]) for clock in since), COMPARED)
+    exact, near, apart = True, True, []
     for key in ("load", "depth"):
         values = [np.interp(time, clock, getattr(r, key)) for clock, r in zip(since, (curve, *others), strict=True)]
         mean, span = np.mean(values[1:], axis=0), float(np.ptp(values[0]))
         scatter = float(np.sqrt(np.mean((np.array(values[1:]) - mean) ** 2)))
-        if np.sqrt(np.mean((values[0] - mean) ** 2)) > min(ALIKE * span, UNLIKE * scatter):
-            return False
-        if key == "load" and max(float(np.abs(each - mean).max()) for each in values[1:]) < APART * ALIKE * span:
-            return False
-    return True
+        off = float(np.sqrt(np.mean((values[0] - mean) ** 2)))
+        exact &= off <= min(ALIKE * span, _digit(getattr(curve, key)))
+        near &= off <= min(ALIKE * span, UNLIKE * scatter)
+        apart.append(max(float(np.abs(each - mean).max()) for each in values[1:]) > APART * ALIKE * span)
+    return (exact and any(apart)) or (near and apart[0])
+
+
+def _digit(values: np.ndarray) -> float:
+    """Return the last decimal place of values (n,) as a number, such as 0.01; zero where they have no such place."""
+    close = ROUNDING * float(np.ptp(values))
+    return next((10.0**-k for k in PLACES if np.abs(values - values.round(k)).max() <= close), 0.0)
 
 
 def not_shown(source: Source) -> list[Unreadable]:

@@ -41,6 +41,7 @@ FOUND, GIVEN = "found by palpate", "given by the user"
 DECIDED = re.compile(rf"contact ({FOUND}|{GIVEN}): at (\S+) nm")
 WORDS = {"tilt": "a tilt", "drift": "a drift", "sine": "a wave", "transient": "the stage's start"}
 OFF_ZERO = 0.05  # of the way to the largest load
+NEGATIVE = 0.01  # of the load's range, chosen: a negative load where a test begins is told from there on
 COUNTED = 0.005  # of the test's depth, chosen: a zero that lies farther from where a test begins is told
 LAST_FREE = 10  # points of an approach from which the load without contact is taken
 
@@ -267,10 +268,11 @@ def _counted_from_the_start(r: Recording, level: float) -> tuple[Recording, tupl
 def _under_load(r: Recording) -> tuple[str, ...]:
     """Return a warning where a test begins under load at zero depth: one of them is not counted from contact.
 
-    A load that reads less than zero there is counted from elsewhere, too.
+    A load that reads less than zero there is counted from elsewhere, too, be it by little.
     """
-    peak = int(np.argmax(r.load))
-    if abs(r.load[0]) <= OFF_ZERO * (r.load[peak] - min(r.load[0], 0.0)) or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
+    peak, first = int(np.argmax(r.load)), float(r.load[0])
+    little = max(NEGATIVE * float(np.ptp(r.load)), CLEAR * noise_of(r.load)) if first < 0 else OFF_ZERO * r.load[peak]
+    if abs(first) <= little or abs(r.depth[0]) > OFF_ZERO * r.depth[peak]:
         return ()
     return (
         f"begins under {r.load[0]:.4g} of {r.load[peak]:.4g} mN at a depth of {r.depth[0]:.4g} nm: the load, or the "
