@@ -17,7 +17,15 @@ def pytest_configure(config):
         config.option.dist = "loadfile"
 
 
-LONGEST = ("test_mesh_error", "test_document_commands", "test_run", "test_soak", "test_calibration")
+LONGEST = (
+    "test_mechanisms",
+    "test_default_study",
+    "test_mesh_error",
+    "test_document_commands",
+    "test_run",
+    "test_soak",
+    "test_calibration",
+)
 WITHOUT_KERNELS = ("test_contact", "test_readers")
 FIRST = ("test_workflow", *WITHOUT_KERNELS, *LONGEST)
 

@@ -112,7 +112,7 @@ def test_pairs_run(pair, curves):
 @pytest.mark.parametrize("kinematics", ["small", "large"])
 @pytest.mark.slow
 def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
-    """Each alone does about what it does under the equivalent cone; all of them run at once."""
+    """Each does about what it does under the equivalent cone, those that only add to the depth at once; so do all."""
     monkeypatch.setitem(simulation.RESOLUTIONS_3D, "standard", Resolution(growth=1.15, sectors=6))
     spec = BASE | {"kinematics": kinematics, "protocol": BASE["protocol"] | {"points": 7}}
     pyramid = spec | {"indenter": {"shape": "berkovich"}}
@@ -123,10 +123,11 @@ def test_a_pyramid_knows_every_mechanism(monkeypatch, kinematics):
         return simulation.depth
 
     cone, sharp = (depths(values, {}) for values in (spec, pyramid))
-    for key, values in VISIBLE.items():
-        effect, expected = (depths(tip, {key: values}) - alone for tip, alone in ((pyramid, sharp), (spec, cone)))
-        assert effect @ expected > 0.5 * expected @ expected, key
-        assert effect @ expected < 1.6 * expected @ expected, key
+    recorded = {key: VISIBLE[key] for key in RECORDED}
+    for mechanisms in (recorded, *({key: values} for key, values in VISIBLE.items() if key not in recorded)):
+        effect, expected = (depths(tip, mechanisms) - alone for tip, alone in ((pyramid, sharp), (spec, cone)))
+        assert effect @ expected > 0.5 * expected @ expected, mechanisms
+        assert effect @ expected < 1.6 * expected @ expected, mechanisms
     assert np.abs(depths(pyramid, VISIBLE) - sharp).max() > 1.0
 
 

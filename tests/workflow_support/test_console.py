@@ -64,3 +64,19 @@ def test_a_machine_without_kernels_compiles_once(folder, monkeypatch):
         file.unlink()
     first, *_ = shown(folder, monkeypatch).splitlines()
     assert "compiling, once" in first
+
+
+@pytest.mark.parametrize(("compiled", "left"), [(True, "2 min"), (False, "60 s")])
+def test_what_is_left_does_not_grow_by_what_is_compiled_once(folder, monkeypatch, compiled, left):
+    """The first of two jobs of 60 s each ends after 150 s, 90 s of them for compilation where nothing was compiled."""
+    if not compiled:
+        (folder.parents[1] / "kernel.nbi").unlink()
+    clock = [0.0]
+    monkeypatch.setattr(console.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(console, "_plans", [console.Plan(folder, {"surrogate": 60.0}, 1, lambda: True)])
+    view = console.Console(io.StringIO())
+    view.planned({"surrogate": 2})
+    view.started(0, "surrogate", "surrogate of A", [])
+    clock[0] = 150.0
+    view.finished(0)
+    assert f"1 of 2 jobs, about {left} left" in view.stream.getvalue()

@@ -73,6 +73,7 @@ class Console:
     ended: list[str] = field(default_factory=list)
     worst: tuple[float, str] = (0.0, "")
     closed: bool = False
+    compiles: bool = False
 
     @property
     def plan(self) -> Plan | None:
@@ -82,6 +83,7 @@ class Console:
     def planned(self, jobs: Mapping[str, int]) -> None:
         """Take the number of jobs of each rule."""
         self.jobs, self.total, self.began = dict(jobs), sum(jobs.values()), time.monotonic()
+        self.compiles = bool(self._compiling())
         self.write(f"{self.total} jobs, about {time_in_words(self._left())}{self._compiling()}")
 
     def started(self, job: int, rule: str, message: str, outputs: Sequence[str]) -> None:
@@ -137,11 +139,16 @@ class Console:
             self.write(line)
 
     def _left(self) -> float:
-        """Return the time that is left [s]: from what was expected, at the pace of what is done."""
+        """Return the time that is left [s]: from what was expected, at the pace of what is done.
+
+        Where kernels were compiled first, what that takes is not counted, and no faster pace than expected.
+        """
         whole, done = (sum(map(self._expected, rules)) for rules in (self._rules(), self.ended))
         cores = self.plan.cores if self.plan else 1
-        passed = time.monotonic() - self.began
-        pace = passed / done if done > BEGUN * whole else 1.0 / cores
+        passed, expected = time.monotonic() - self.began, 1.0 / cores
+        if self.compiles:
+            passed = max(passed - COMPILING, done * expected)
+        pace = passed / done if done > BEGUN * whole else expected
         return max(whole - done, 0.0) * pace
 
     def _rules(self) -> Iterator[str]:
