@@ -44,7 +44,7 @@ class SearchPolicy:
     held: float = 0.95
     negligible: float = 0.05
     negligible_if_linear: float = 0.3
-    rough: float = 1.0
+    rough: float = 3.0
     near: float = 10.0
     behind_set: float = 400.0
     most: int = 16
