@@ -31,9 +31,9 @@ FINDS = "--contact auto finds the contact"
 def air_before(recording: Recording) -> ContactPoint | None:
     """Return the contact of a recording that begins in air; None where it does not begin there.
 
-    It does where the contact lies deeper than its first point by more than a share of the test's depth, with its whole
-    95 % interval or by the load in air alone, or where the tip retreats by as much before it touches. The search is
-    made only where a load that stays in its noise, or leaves the air late, gives reason to.
+    It does where the contact lies deeper than its first point by more than a share of the test's depth with its whole
+    95 % interval, or by twice as much by the load in air alone, or where the tip retreats by as much before it touches.
+    The search is made only where a load that stays in its noise, or leaves the air late, gives reason to.
     """
     left = _left(recording)
     rests = resting(recording.load, recording.depth) > SHARE
@@ -47,7 +47,7 @@ def air_before(recording: Recording) -> ContactPoint | None:
     retreated = retreat_before(recording, point) > max(far, CLEAR * noise_of(recording.depth))
     surely = point.lower
     if left is not None and "zero" not in point.baseline_terms:
-        surely = max(surely, min(point.depth, left.likely))
+        surely = max(surely, min(point.depth, left.likely) - far)
     return point if retreated or surely > recording.depth[0] + far else None
 
 
