@@ -121,13 +121,16 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
 def _sought(whole: Recording, moving: Recording) -> tuple[Recording, ContactPoint | None]:
     """Return the recording in which contact was sought, and the one found; None where the test begins at contact.
 
-    The part from where the reader begins is searched first. Where that begins off contact or in air, the retreat before
-    it shows the load without contact.
+    The part from where the reader begins is searched first. Where that begins off contact or in air, or leaves contact
+    vague, the retreat before it shows the load without contact.
     """
     air = air_before(moving)
-    if air is None and len(whole) > len(moving) and (begins_off_contact(moving) or seems_in_air(moving)):
-        return whole, air_before(whole)
-    return moving, air
+    if len(whole) == len(moving) or (air and not _is_vague(moving, air)):
+        return moving, air
+    if air or begins_off_contact(moving) or seems_in_air(moving):
+        before = air_before(whole)
+        return (whole, before) if before or not air else (moving, air)
+    return moving, None
 
 
 def _ended(test: VendorTest, recording: Recording, messages: tuple[str, ...]) -> VendorTest:
@@ -136,12 +139,16 @@ def _ended(test: VendorTest, recording: Recording, messages: tuple[str, ...]) ->
     return replace(test, recording=ended, warnings=(*test.warnings, *messages, *of_end))
 
 
+def _is_vague(recording: Recording, point: ContactPoint) -> bool:
+    """Return whether the interval of a contact that was found is wide."""
+    return point.upper - point.lower > VAGUE * (float(recording.depth.max()) - point.depth)
+
+
 def _vague(recording: Recording, point: ContactPoint) -> tuple[str, ...]:
     """Return a warning where the interval of a contact that was found is wide, or its baseline not level."""
-    depth = float(recording.depth.max()) - point.depth
-    wide = point.upper - point.lower
-    if wide <= VAGUE * depth:
+    if not _is_vague(recording, point):
         return ()
+    depth, wide = float(recording.depth.max()) - point.depth, point.upper - point.lower
     bent = [WORDS[term] for term in WORDS if term in point.baseline_terms]
     because = f" (the load in air shows {', '.join(bent)})" if bent else ""
     return (
