@@ -29,6 +29,7 @@ FAR = 8.0  # ways in, chosen: farther air adds nothing to the baseline, and step
 STILL = 0.05  # of the load's range, chosen: within which the load in far air varies
 THIN = 0.1  # of the way in, chosen: films, dirt and asperities are no thicker
 LAYER = 2.0  # of the way into the body, chosen: soft layers whose load is faint are no thicker
+BENT = 1e-3  # of the load's range, chosen: by as much the load of a sensor in air departs from a line
 WIDER = 1.05  # times the posterior's width, chosen on development curves: baselines differ from all on trial
 ROUNDING = 1e-6  # of the load's range, that a load without noise may differ by
 BESIDE = 3  # points on either side of contact, chosen: their steps show how far apart points are there
@@ -126,9 +127,6 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     left = departure(force, path)
     if left and upper > path[0]:
         contact, lower, upper = left.mended(contact, lower, upper)
-        if approach:
-            lower, upper = left.extended(lower, upper)
-            lower = max(lower, path[0])
     index, moment = _reached(contact, time, depth, first, last)
     baseline = instants[0] + duration * found.time, zero + span * found.baseline
     level = float(np.interp(moment, *baseline))
@@ -165,7 +163,7 @@ def _of_soft_layer(lower: float, load: np.ndarray, depth: np.ndarray) -> float:
     """Return the lower end of an interval, moved to where the load rises faintly before it, as under a soft layer."""
     air = int(np.argmax(depth > lower))
     noise = max(long_run_noise(load), ROUNDING * float(np.ptp(load)))
-    begin = faint_rise(load[:air], depth[:air], noise)
+    begin = faint_rise(load[:air], depth[:air], noise, BENT * float(np.ptp(load)))
     thin = LAYER * float(depth[-1] - lower)
     return lower if begin is None or lower - begin > thin else min(lower, begin)
 

@@ -31,7 +31,7 @@ SPREAD = 4.0  # standard deviations of their noise, by which averages lie apart 
 FOURFOLD, BEYOND_DOUBT = 4.0, 20.0  # times what stands clear, chosen
 LONG = 2.0  # times as long before the load stands clear as the steepest law begins, chosen: no contact lies farther
 MATTERS = 0.03  # of the largest load, chosen: less may be a baseline that curves before contact
-EXPONENTS = (2.5, 1.5, 1.0)  # largest exponent m, a sphere's and a punch's
+STEEPEST, USUAL = 2.5, 1.5  # largest exponent m, and a sphere's
 AIR = 60  # averages of the air in which a faint rise is sought, chosen
 BEGINS = np.linspace(0.02, 0.9, 45)  # shares of the air, from which on it may rise
 SPHERE = 1.5  # exponent of a faint rise
@@ -48,15 +48,14 @@ class Departure:
 
     Attributes
     ----------
-    earliest, likely, latest
-        Where laws with the exponents 2.5, 1.5 and 1 begin that stand clear as the load does.
+    earliest, likely
+        Where laws with the exponents 2.5 and 1.5 begin that stand clear as the load does.
     clear, loaded
         From here on the load stands clear, and so far that it is no air.
     """
 
     earliest: float
     likely: float
-    latest: float
     clear: float
     loaded: float
 
@@ -70,15 +69,6 @@ class Departure:
         if contact > self.loaded or upper < farthest:
             return self.likely, min(farthest, self.likely, lower), max(self.loaded, upper)
         return contact, lower, upper
-
-    def extended(self, lower: float, upper: float) -> tuple[float, float]:
-        """Return an interval of contact [nm], extended to the laws that begin in the air where it lies beside all.
-
-        Beyond them it lies as under a soft layer, before them as where a baseline bends.
-        """
-        if lower > self.latest:
-            lower = min(lower, self.earliest)
-        return lower, self.clear if upper < self.earliest else upper
 
 
 def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
@@ -110,13 +100,13 @@ def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
         reached[np.argmax(rises > level) if rises[-1] > level else -1]
         for level in (FOURFOLD * stands, max(FOURFOLD * stands, min(MATTERS * rises[-1], BEYOND_DOUBT * least[learnt])))
     )
-    earliest, likely, latest = (min(clear - (four - clear) / (FOURFOLD ** (1 / m) - 1), last) for m in EXPONENTS)
+    earliest, likely = (min(clear - (four - clear) / (FOURFOLD ** (1 / m) - 1), last) for m in (STEEPEST, USUAL))
     if first < 2 * FEWEST:
         likely = depth[0]
-    return Departure(*(float(end) for end in (min(earliest, 2 * last - clear), likely, latest, clear, loaded)))
+    return Departure(*(float(end) for end in (min(earliest, 2 * last - clear), likely, clear, loaded)))
 
 
-def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float) -> float | None:
+def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float, smallest: float = 0.0) -> float | None:
     """Return the least depth [nm] from which the load in air (n,) [mN] may rise as under a sphere; None if it does not.
 
     Parameters
@@ -125,6 +115,8 @@ def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float) -> float | Non
         What was taken for air.
     noise
         Of a load [mN], over many points.
+    smallest
+        Rise by which a body is told from the bend of a sensor's line [mN].
     """
     size = min(len(load), AIR)
     if size < 2 * FEWEST or np.ptp(depth) == 0.0:
@@ -141,7 +133,7 @@ def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float) -> float | Non
     best = int(np.argmin(left))
     least = max(float(left[best]), 1e-300)
     gained = rest @ rest / least - size
-    tall = float(height[best] * rises[-1, best]) > TALL * least**0.5
+    tall = float(height[best] * rises[-1, best]) > max(TALL * least**0.5, smallest)
     if not (tall and gained > SURELY and least < CLEAN * noise**2 * size / len(load)):
         return None
     begin = BEGINS[np.argmax(size * (left / least - 1) < AS_LIKELY)]

@@ -30,7 +30,7 @@ def test_contact_lies_between_the_ends(exponent, tilt, drop):
 def test_ends_scale_with_load_and_depth_and_move_with_them():
     load, depth = loading()
     plain, moved = departure(load, depth), departure(5.0 * load + 7.0, 3.0 * depth - 100.0)
-    for end in ("earliest", "likely", "latest", "clear", "loaded"):
+    for end in ("earliest", "likely", "clear", "loaded"):
         assert getattr(moved, end) == pytest.approx(3.0 * getattr(plain, end) - 100.0, abs=1e-6)
 
 

@@ -252,7 +252,7 @@ def test_a_diagnosis_shows_what_is_missing(fit, found):
     assert frame["lower"].iloc[0] < COMPLIANCE < frame["upper"].iloc[0]
     assert set(found.tried["mechanisms"]) == {"base model", "frame_compliance"}
     assert found.tried.set_index("mechanisms")["accepted"].to_dict() == {"base model": False, "frame_compliance": True}
-    assert "Frame compliance of" in found.summary() and found.verdict in repr(found)
+    assert "frame compliance of" in found.summary().lower() and found.verdict in repr(found)
     assert found._repr_html_().count("<table") == 2
     assert len(found.plot()) == 1 and found.plot()[0].figure.savefig
     axes = fit.plot()[0]
