@@ -103,8 +103,8 @@ def test_the_law_that_made_the_recordings_is_chosen(metal):
     assert best["held_out_nm"] < 2.0 * best["residual_nm"] + 3.0
     assert len(others) == len(FAMILIES["metal"].laws) - 1
     assert sum(each["probability"] for each in found["candidates"] if each["fitted"]) == pytest.approx(1.0)
-    # Fits that are compared stop early, and where they end differs by about a standard deviation with the last digits of
-    # the noise: the true modulus lies within three of them, not always within the 95 % interval.
+    # Fits that are compared stop early, and where they end differs by about a standard deviation with the last digits
+    # of the noise: the true modulus lies within three of them, not always within the 95 % interval.
     modulus = best["parameters"]["youngs_modulus"]
     off, reach = np.log(70.0 / modulus["estimate"]), np.log(modulus["upper"] / modulus["estimate"]) / 1.96
     assert abs(off) < 3.0 * reach
