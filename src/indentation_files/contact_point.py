@@ -111,7 +111,7 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
     instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
     first = last + 1 - len(path)
-    noise, error = max(noise_of(force), 1e-6 * float(np.ptp(load))), noise_of(path)
+    noise, error = max(noise_of(force), ROUNDING * float(np.ptp(load))), noise_of(path)
     duration, span, way = (float(np.ptp(channel)) for channel in (instants, force, path))
     clock, shares = (instants - instants[0]) / duration, (path - path[0]) / way
     for approach in (True, False) if retreated or begins_in_air(clock, force / span, shares) else (False,):

@@ -34,7 +34,6 @@ MATTERS = 0.03  # of the largest load, chosen: less may be a baseline that curve
 STEEPEST, USUAL = 2.5, 1.5  # largest exponent m, and a sphere's
 AIR = 60  # averages of the air in which a faint rise is sought, chosen
 BEGINS = np.linspace(0.02, 0.9, 45)  # shares of the air, from which on it may rise
-SPHERE = 1.5  # exponent of a faint rise
 SURELY = 40.0  # times the variance of what is left, by which the rise explains more than a line does, chosen
 TALL = 6.0  # standard deviations of what is left, by which it rises at least, chosen
 CLEAN = 2.0  # times the noise's variance, that is left at most: no wave, no transient, chosen
@@ -79,8 +78,7 @@ def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
     size = min(len(load), MOST)
     if size < 2 * FEWEST:
         return None
-    edges = np.linspace(0, len(load), size + 1).round().astype(int)
-    force, way = (np.add.reduceat(channel, edges[:-1]) / np.diff(edges) for channel in (load, depth))
+    edges, force, way = _averages(load, depth, size)
     noise = long_run_noise(load)
     excess, least = _beyond_lines(force, way, noise / (len(load) / size) ** 0.5)
     rising = _for_good(force) - force.min()
@@ -121,11 +119,10 @@ def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float, smallest: floa
     size = min(len(load), AIR)
     if size < 2 * FEWEST or np.ptp(depth) == 0.0:
         return None
-    edges = np.linspace(0, len(load), size + 1).round().astype(int)
-    force, way = (np.add.reduceat(channel, edges[:-1]) / np.diff(edges) for channel in (load, depth))
+    _, force, way = _averages(load, depth, size)
     way = (way - depth[0]) / np.ptp(depth)
     line = np.linalg.qr(np.column_stack([np.ones(size), way]))[0]
-    rises = np.clip(way[:, None] - BEGINS, 0.0, None) ** SPHERE
+    rises = np.clip(way[:, None] - BEGINS, 0.0, None) ** USUAL
     beside, rest = rises - line @ (line.T @ rises), force - line @ (line.T @ force)
     power = np.maximum(np.sum(beside**2, axis=0), ROUNDING)
     height = rest @ beside / power
@@ -138,6 +135,13 @@ def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float, smallest: floa
         return None
     begin = BEGINS[np.argmax(size * (left / least - 1) < AS_LIKELY)]
     return float(depth[0] + np.ptp(depth) * begin)
+
+
+def _averages(load: np.ndarray, depth: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return where groups of points begin and end (size + 1,), and the mean load and depth of each (size,)."""
+    edges = np.linspace(0, len(load), size + 1).round().astype(int)
+    force, way = (np.add.reduceat(channel, edges[:-1]) / np.diff(edges) for channel in (load, depth))
+    return edges, force, way
 
 
 def _beyond_lines(force: np.ndarray, way: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from palpate.base.parameters import in_words
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
@@ -14,7 +13,7 @@ from palpate.diagnosis.candidates import KINDS_OF_TESTS
 from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import MECHANISMS, quantity_in_words
 from palpate.models.coordinates import Coordinate
 
 SAME_LOAD = 1.01  # ratio of loads within which tests count as equally large
@@ -96,7 +95,9 @@ def far_out(diagnosis: DiagnosisOutcome) -> list[str]:
     found = outside((diagnosis.accepted or diagnosis.tried)[0].fit)
     if not found:
         return []
-    values = [f"{_in_words(each)} {value:.3g} ({each.lower:.3g} to {each.upper:.3g})" for each, value in found]
+    values = [
+        f"{quantity_in_words(each.name)} {value:.3g} ({each.lower:.3g} to {each.upper:.3g})" for each, value in found
+    ]
     return [
         "The likeliest values of some quantities lie outside the study's plausible ranges (keys parameters and "
         f"diagnosis.ranges), which are given in parentheses: {', '.join(values)}."
@@ -108,12 +109,6 @@ def outside(fit: Fit) -> list[tuple[Coordinate, float]]:
     coordinates, beyond = fit.coordinates, np.abs(fit.coordinates.beyond(fit.z)) > OUTSIDE
     quantities = zip(coordinates.free, fit.z, beyond, strict=True)
     return [(each, float(each.physical(x))) for each, x, far in quantities if far]
-
-
-def _in_words(quantity: Coordinate) -> str:
-    """Return the name of a parameter of the law, or of a mechanism's after the mechanism's."""
-    *key, name = quantity.name.split(".")
-    return ", ".join([*(MECHANISMS[each].title for each in key), in_words(name)])
 
 
 def follows_tests(diagnosis: DiagnosisOutcome, level: float, rng: np.random.Generator) -> list[str]:

@@ -42,12 +42,10 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
         if members in found.fitted:
             fit = found.fitted[members].fit
             draws = posterior_draws(fit) if probability >= LIKELY else draws_to_first_order(fit, rng)
-        elif members in found.estimated:
+        else:
             smaller, _ = found.estimated[members]
             (key,) = members - smaller
             draws = _joined(found.fitted[smaller].fit, screen, key, rng)
-        else:
-            continue
         places = rng.choice(len(draws), count, replace=count > len(draws))
         parts.append(draws[places, : found.fitted[frozenset()].fit.problem.material])
     return np.concatenate(parts)

@@ -12,7 +12,7 @@ from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS, Mechanism
 
 RISEN = 1.05  # ratio of errors from which they are reported to rise
-LIKELIER = 0.5  # probability that nothing further acts, below which an effect is likelier
+LIKELIER = 0.5  # probability from which on something is likelier than not
 WORTH_NAMING = 0.05  # inclusion from which on a hidden mechanism is named
 
 

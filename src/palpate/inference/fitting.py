@@ -171,11 +171,8 @@ class Fitter:
     def reweighed(self, fit: Fit) -> Fit:
         """Return a fit of the base model by the errors of these settings, after a search with them."""
         fit = replace(fit, errors=self.errors((), fit.model, fit.z, fit.curve))
-        return (
-            self.settled(fit, StoppingCriteria(self.policy.base_iterations, self.policy.tolerance))
-            if self.law_error
-            else fit
-        )
+        until = StoppingCriteria(self.policy.base_iterations, self.policy.tolerance)
+        return self.settled(fit, until) if self.law_error else fit
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
         """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""

@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 from indentation_files.discovery import discover
+from palpate.base.parameters import in_words
 from palpate.errors import InputError, part_of
 from palpate.mechanisms.assumptions import Assumption
 from palpate.mechanisms.mechanism import Mechanism, Range, Scale
@@ -59,6 +60,15 @@ def considered(named: Iterable[str], place: str, tips: Iterable[str] = ()) -> di
     every = {key: mechanism for key, mechanism in MECHANISMS.items() if mechanism.by_default}
     of_tips = [f"{key}[{tip}]" for tip in tips for key, mechanism in every.items() if mechanism.of_the_tip]
     return known(named, place) or every | {key: MECHANISMS[key] for key in of_tips}
+
+
+def quantity_in_words(name: str) -> str:
+    """Return the name of a material parameter, or of a mechanism's (``key.name``), as people write it."""
+    if "." not in name:
+        return in_words(name)
+    key, own = name.split(".")
+    title, words = MECHANISMS[key].title, in_words(own)
+    return title if title.endswith(words) else f"{title}, {words}"
 
 
 def breaking(*assumptions: Assumption) -> tuple[str, ...]:

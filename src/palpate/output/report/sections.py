@@ -10,12 +10,12 @@ import pandas as pd
 
 from palpate.base.rounding import interval_of, percent, rounded
 from palpate.diagnosis.locate import CERTAIN
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import MECHANISMS, quantity_in_words
 from palpate.output.figures import curve_panels, curves, residuals
 from palpate.output.html_report import paragraph, table
 from palpate.output.report import further_evidence_sections
 from palpate.output.results.answer import Answer
-from palpate.output.results.diagnosis import quantity_in_words, titles_of
+from palpate.output.results.diagnosis import titles_of
 
 WORDS = {"calibrate": "fitted", "validate": "held\u00a0out"}
 KINDS = {

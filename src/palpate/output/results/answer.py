@@ -10,10 +10,10 @@ from typing import Any
 from palpate.base.rounding import interval_with_unit, percent, rounded
 from palpate.inference.calibration_result import rmse
 from palpate.materials import law_of
-from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms import MECHANISMS, quantity_in_words
 from palpate.output.results.bulk_errors import bulk_facts, without_curves
 from palpate.output.results.calibration import Calibration
-from palpate.output.results.diagnosis import SETTLED, Diagnosis, effect_sentence, quantity_in_words
+from palpate.output.results.diagnosis import SETTLED, Diagnosis, effect_sentence
 from palpate.output.results.imprint_errors import imprint_facts
 from palpate.output.saved_set import SavedSet
 from palpate.output.tip_words import tips_in_words

@@ -11,17 +11,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from palpate.base.parameters import in_words
 from palpate.base.rounding import interval_of, interval_with_unit, percent
 from palpate.configuration.study_file import Study
-from palpate.mechanisms import MECHANISMS
+from palpate.diagnosis.summary_text import LIKELIER
+from palpate.mechanisms import MECHANISMS, quantity_in_words
 from palpate.output.figures import evidence, residuals
 from palpate.output.results.calibration import Calibration
 from palpate.output.saved_set import SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 
 SETTLED = 0.95  # probability from which nothing further is open
-LIKELIER = 0.5  # from which an effect is likelier than none
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -270,15 +269,6 @@ def _of_adequate(further: Mapping[str, Any] | None) -> str:
 def titles_of(mechanisms: Sequence[str]) -> str:
     """Return a set of mechanisms in words."""
     return " and ".join(MECHANISMS[key].title for key in mechanisms) or "base model"
-
-
-def quantity_in_words(name: str) -> str:
-    """Return the name of a material parameter, or of a mechanism's (``key.name``), as people write it."""
-    if "." not in name:
-        return in_words(name)
-    key, own = name.split(".")
-    title, words = MECHANISMS[key].title, in_words(own)
-    return title if title.endswith(words) else f"{title}, {words}"
 
 
 def effect_sentence(effect: Mapping[str, Any]) -> str:
