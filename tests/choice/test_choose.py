@@ -1,4 +1,4 @@
-"""The choice of a law: what a law promises beside the base law's fit, and which law is chosen."""
+"""The choice of a law: where fits begin, the ranges about a fit, and which law is chosen."""
 
 from dataclasses import replace
 
@@ -40,7 +40,7 @@ def metal(tmp_path_factory):
     """A study whose recordings are of a metal that creeps; three replicates with a noise of 0.3 nm, sites of 0.3 %."""
     folder = tmp_path_factory.mktemp("metal")
     study = study_from(METAL | {"recordings": {"lab": str(folder)}}, "study.yaml")
-    true, rng = with_levels(study, CREEPS, {name: [value] for name, value in TRUTH.items()}), np.random.default_rng(3)
+    true, rng = with_levels(study, CREEPS, {name: [value] for name, value in TRUTH.items()}), np.random.default_rng(4)
     for condition in true.conditions:
         (curve,) = simulate_batch([true.specification(TRUTH, condition)])
         time, load = condition.protocol.sample_time, condition.protocol.sample_drive
@@ -58,33 +58,24 @@ def compared(metal):
     guessed = {law: ranges(law, solid, loading) for law in FAMILIES["metal"].laws}
     laws, law = ComparedLaws(metal, resampled(metal, recorded), guessed), FAMILIES["metal"].base
     begun = laws.problem(law).forward.coordinates.scaled(TRUTH)
-    base = laws.weighed(laws.fit(law, [begun]))
-    return laws, base, neutral(base.coordinates.named(base.z), loading)
-
-
-@pytest.mark.parametrize("law", ["bilinear_plasticity+kinematic_hardening", "ludwik_plasticity"])
-def test_a_law_begins_with_the_curves_of_the_one_that_it_contains(compared, law):
-    laws, base, values = compared
-    found = laws.promised(law, values, base)
-    assert np.abs(found.curve - base.curve).max() < 2e-3 * base.curve.max()
-
-
-def test_one_simulation_tells_which_law_made_the_recordings(compared):
-    """Its evidence is the largest, and it leaves less than half of the base law's discrepancy."""
-    laws, base, values = compared
-    found = {law: laws.promised(law, values, base) for law in FAMILIES["metal"].extensions}
-    assert max(found, key=lambda law: found[law].optimistic_log_evidence) == CREEPS
-    assert found[CREEPS].optimistic_log_evidence > base.log_evidence + 1.0
-    assert found[CREEPS].law_share([0.5])[0] < 0.5 * base.law_share([0.5])[0]
+    return laws, laws.weighed(laws.fit(law, [begun]))
 
 
 def test_levels_hold_the_estimate_and_keep_to_the_law(compared):
-    laws, base, values = compared
-    for law in ("voce_plasticity", "bilinear_plasticity+kinematic_hardening"):
-        fit = laws.promised(law, values, base)
-        levels, named = levels_about(laws.study, fit), fit.coordinates.named(fit.z)
-        assert all(row[0] <= named[name] <= row[-1] for name, row in levels.items())
-        assert checked_levels(law, laws.study.fixed, levels, "sobol")
+    laws, base = compared
+    levels, named = levels_about(laws.study, base), base.coordinates.named(base.z)
+    assert all(row[0] <= named[name] <= row[-1] for name, row in levels.items())
+    assert checked_levels(FAMILIES["metal"].base, laws.study.fixed, levels, "sobol")
+
+
+def test_a_fit_begins_at_the_base_law_where_the_law_contains_it(compared):
+    laws, base = compared
+    values = neutral(base.coordinates.named(base.z), 30.0)
+    (begun,) = laws.at_base("ludwik_plasticity", values)
+    named = laws.problem("ludwik_plasticity").forward.coordinates.named(begun)
+    assert named["strength"] == pytest.approx(values["hardening"], rel=1e-6) and named["hardening_exponent"] == 1.0
+    del values["strength"]
+    assert laws.at_base("ludwik_plasticity", values) == []
 
 
 def test_tests_without_unloading_are_refused(metal):
@@ -97,14 +88,13 @@ def test_tests_without_unloading_are_refused(metal):
 
 @pytest.mark.slow
 def test_the_law_that_made_the_recordings_is_chosen(metal):
+    """Although the base law takes creep for hardening: its hardening is ten times the true one."""
     found = choose(metal, lambda line: None)
-    assert found["law"] == CREEPS and found["probability"] > 0.5
+    assert found["law"] == CREEPS and found["probability"] > 0.9
     best, *others = found["candidates"]
     assert best["held_out_nm"] < 2.0 * best["residual_nm"] + 3.0
     assert len(others) == len(FAMILIES["metal"].laws) - 1
-    assert sum(each["probability"] for each in found["candidates"] if each["fitted"]) == pytest.approx(1.0)
-    # Fits that are compared stop early, and where they end differs by about a standard deviation with the last digits
-    # of the noise: the true modulus lies within three of them, not always within the 95 % interval.
+    assert sum(each["probability"] for each in found["candidates"]) == pytest.approx(1.0)
     modulus = best["parameters"]["youngs_modulus"]
-    off, reach = np.log(70.0 / modulus["estimate"]), np.log(modulus["upper"] / modulus["estimate"]) / 1.96
-    assert abs(off) < 3.0 * reach
+    assert modulus["lower"] < TRUTH["youngs_modulus"] < modulus["upper"]
+    assert checked_levels(CREEPS, metal.fixed, found["levels"], "sobol")

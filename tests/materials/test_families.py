@@ -1,4 +1,4 @@
-"""Families of laws: what each extension is where its further parameters are neutral."""
+"""Families of laws: what a law that contains the base law is where its further parameters are neutral."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,9 @@ from palpate.materials.flow.uniaxial import response_to
 
 LOADING = 20.0  # s
 HOOKE = {"youngs_modulus": 3.0, "poisson_ratio": 0.35}
-NESTED = [(family, law) for family, of in FAMILIES.items() for law in of.extensions]
+NESTED = [
+    (family, law) for family, of in FAMILIES.items() for law in of.others if "eyring" not in law and law != "elastic"
+]
 TENSION = np.linspace(0.0, 0.05, 60)
 RATE = 0.1 / LOADING  # 1/s
 
@@ -31,7 +33,7 @@ def base_of(family):
 
 
 @pytest.mark.parametrize(("family", "model"), NESTED)
-def test_an_extension_with_neutral_parameters_is_the_base_law(family, model):
+def test_a_law_with_neutral_parameters_is_the_base_law(family, model):
     """To a few per cent where hardening saturates, or some compliance is left."""
     base = base_of(family)
     expected, found = stress(FAMILIES[family].base, base), stress(model, neutral(base, LOADING))

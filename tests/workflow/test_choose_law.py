@@ -53,7 +53,7 @@ def test_report_and_record_of_a_choice_name_all_laws(folder, monkeypatch):
 
     monkeypatch.chdir(folder)
     parameters = {"youngs_modulus": {"estimate": 70.0, "lower": 65.0, "upper": 75.0}}
-    first = {"law": "ludwik_plasticity", "fitted": True, "probability": 0.7, "log_evidence": 12.0, "residual_nm": 1.0}
+    first = {"law": "ludwik_plasticity", "probability": 0.7, "log_evidence": 12.0, "residual_nm": 1.0}
     first |= {"residual_percent": 0.2, "held_out_nm": None, "curves": 40, "parameters": parameters}
     second = first | {"law": "bilinear_plasticity", "probability": 0.3, "log_evidence": 11.2}
     choice = {

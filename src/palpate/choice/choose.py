@@ -1,11 +1,12 @@
 """The law of a study, chosen by its recordings among those of a family.
 
 1. The base law of the family is fitted, from the middle of its ranges and from places scattered over them.
-2. Every extension of it is judged at that optimum by one simulation (`palpate.choice.compared_laws`).
-3. The most promising ones are fitted from there, and those laws that do not contain the base law from the middle of
-   their ranges.
-4. The fitted law with the largest evidence is chosen; all of them count equally beforehand. Of laws whose evidence is
-   as large within what Laplace's approximation leaves, it is the one with the fewest parameters.
+2. The other laws are fitted, from the middle of their ranges, where all their terms act, and from the base law's
+   optimum if they contain that law. Parameters of the base law may stand in there for a term that it lacks: of a
+   metal that creeps, bilinear plasticity took the creep for hardening, and neither a score test at that optimum nor a
+   search from there alone found the spectrum.
+3. The law with the largest evidence is chosen; all of them count equally beforehand. Of laws whose evidence is as large
+   within what Laplace's approximation leaves, it is the one with the fewest parameters.
 
 The recordings are those of the calibrate conditions of the study's first set. Other sets of a study hold the same
 material, and share its surrogates.
@@ -37,7 +38,6 @@ from palpate.inference.starting_places import scattered
 from palpate.materials.families import FAMILIES, neutral
 from palpate.models.finite_elements import FiniteElements
 
-FITTED = 2  # extensions of the base law that are fitted, the most promising ones
 LEAST_WIDTH, MOST_WIDTH = 0.1, 0.5  # of the guessed range, to either side of the estimate
 WIDTH = 6.0  # standard deviations of the posterior to either side: the grid hardly adds to what the tests say
 NARROWER = 0.7  # factor on that width while the law refuses a corner
@@ -55,21 +55,15 @@ class Judged:
     law
         Its key.
     fit
-        Its fit, or that of its best linear step from the base law; None where it failed.
-    fitted
-        Whether it was fitted itself.
-    curves
-        Simulated for it.
+        None where it failed.
     """
 
     law: str
     fit: Fit | None
-    fitted: bool
-    curves: int
 
     @property
     def log_evidence(self) -> float:
-        """With the discrepancy of the law; -inf where it failed."""
+        """With the discrepancy of the law, at the optimum as far as the search came; -inf where it failed."""
         return self.fit.optimistic_log_evidence if self.fit else -np.inf
 
 
@@ -79,8 +73,8 @@ def choose(study: Study, report: Callable[[str], None] = print) -> dict[str, Any
 
     Keys: `study`, `family`, `recordings` (the set), `law`, `levels` of its parameters, `probability`, `runner_up` (its
     `law`, `probability` and `parameters`; none where it has less than `STATED`), `curves`, and `candidates`, each with
-    `law`, `fitted`, `log_evidence`, `probability`, `residual_nm`, `residual_percent` of the largest depth,
-    `held_out_nm`, `curves` and `parameters`.
+    `law`, `log_evidence`, `probability`, `residual_nm`, `residual_percent` of the largest depth, `held_out_nm`,
+    `curves` and `parameters`.
 
     Parameters
     ----------
@@ -101,15 +95,8 @@ def choose(study: Study, report: Callable[[str], None] = print) -> dict[str, Any
     solid, loading = check_distinguishable(study, recorded)
     guessed = {law: ranges(law, solid, loading) for law in family.laws}
     laws, base = _base_fit(ComparedLaws(study, resampled(study, recorded), guessed), family.base, report)
-    values = neutral(base.coordinates.named(base.z), loading)
-    judged = [_promised(laws, law, values, base) for law in family.extensions]
-    judged.sort(key=lambda each: -each.log_evidence)
-    for each in judged:
-        report(f"{each.law}: log evidence {each.log_evidence:.1f} expected")
-    fitted = [_fitted(laws, Judged(law, None, False, 0), laws.middle(law), report) for law in family.apart]
-    fitted += [_fitted(laws, each, each.fit.z, report) for each in judged[:FITTED] if each.fit]
-    others = [each for each in judged if each.law not in [found.law for found in fitted]]
-    return _content(study, [Judged(family.base, base, True, _curves(base)), *fitted], others)
+    others = [_fitted(laws, law, base, loading, report) for law in family.others]
+    return _content(study, [Judged(family.base, base), *others])
 
 
 def check_distinguishable(study: Study, recorded: Mapping[str, Sequence[Recording]]) -> tuple[Solid, float]:
@@ -157,37 +144,29 @@ def _base_fit(laws: ComparedLaws, law: str, report: Callable[[str], None]) -> tu
     return laws, laws.weighed(fit)
 
 
-def _promised(laws: ComparedLaws, law: str, values: Mapping[str, float], base: Fit) -> Judged:
+def _fitted(laws: ComparedLaws, law: str, base: Fit, loading: float, report: Callable[[str], None]) -> Judged:
+    """Return a law after its fit; without one where that fails."""
+    begun = laws.at_base(law, neutral(base.coordinates.named(base.z), loading))
     try:
-        fit = laws.promised(law, values, base)
-    except PalpateError:
-        return Judged(law, None, False, 1)
-    return Judged(law, fit, False, _curves(fit))
-
-
-def _fitted(laws: ComparedLaws, promised: Judged, begun: np.ndarray, report: Callable[[str], None]) -> Judged:
-    """Return a law after its fit from coordinates (k,); as it was where that fails."""
-    try:
-        fit = laws.weighed(laws.fit(promised.law, [begun]))
+        fit = laws.weighed(laws.fit(law, [*begun, laws.middle(law)]))
     except PalpateError as error:
-        report(f"{promised.law} could not be fitted: {error}")
-        return promised
-    found = Judged(promised.law, fit, True, promised.curves + _curves(fit))
-    report(f"{promised.law}: root mean square {_rms(fit.residual):.4g} nm, log evidence {found.log_evidence:.1f}")
+        report(f"{law} could not be fitted: {error}")
+        return Judged(law, None)
+    found = Judged(law, fit)
+    report(f"{law}: root mean square {_rms(fit.residual):.4g} nm, log evidence {found.log_evidence:.1f}")
     return found
 
 
-def _content(study: Study, fitted: list[Judged], others: list[Judged]) -> dict[str, Any]:
+def _content(study: Study, judged: list[Judged]) -> dict[str, Any]:
     """Return the content of ``law.json``."""
-    counted = [each for each in fitted if each.fitted]
-    evidence = np.array([each.log_evidence for each in counted])
-    best = max(counted, key=lambda each: (each.log_evidence > evidence.max() - TIE, -_size(each), each.log_evidence))
+    evidence = np.array([each.log_evidence for each in judged])
+    best = max(judged, key=lambda each: (each.log_evidence > evidence.max() - TIE, -_size(each), each.log_evidence))
     assert best.fit is not None
     weights = power_of_evidence(best.fit.errors.law) * evidence
-    probability = dict(zip([each.law for each in counted], np.exp(weights - logsumexp(weights)), strict=True))
-    ranked = [best, *sorted((e for e in counted if e is not best), key=lambda each: -each.log_evidence)]
-    rows = [_row(each, probability.get(each.law)) for each in [*ranked, *(e for e in fitted if not e.fitted), *others]]
-    second = rows[1] if len(ranked) > 1 else None
+    probability = dict(zip([each.law for each in judged], np.exp(weights - logsumexp(weights)), strict=True))
+    ranked = [best, *sorted((each for each in judged if each is not best), key=lambda each: -each.log_evidence)]
+    rows = [_row(each, float(probability[each.law])) for each in ranked]
+    second = rows[1] if len(rows) > 1 else None
     return {
         "study": study.name,
         "family": study.family,
@@ -196,25 +175,28 @@ def _content(study: Study, fitted: list[Judged], others: list[Judged]) -> dict[s
         "levels": levels_about(study, best.fit),
         "probability": rows[0]["probability"],
         "runner_up": second if second and second["probability"] > STATED else None,
-        "curves": sum(each.curves for each in [*fitted, *others]),
+        "curves": sum(row["curves"] for row in rows),
         "candidates": rows,
     }
 
 
-def _row(judged: Judged, probability: float | None) -> dict[str, Any]:
-    """Return what is stated of one law."""
+def _row(judged: Judged, probability: float) -> dict[str, Any]:
+    """Return what is stated of one law; one that could not be fitted has its key alone, and a probability of zero."""
     fit = judged.fit
-    row: dict[str, Any] = {"law": judged.law, "fitted": judged.fitted, "probability": probability}
-    row |= {"log_evidence": None, "residual_nm": None, "residual_percent": None, "held_out_nm": None, "parameters": {}}
-    row["curves"] = judged.curves
     if fit is None:
-        return row
-    row["log_evidence"] = judged.log_evidence
-    if judged.fitted:
-        residual = _rms(fit.residual)
-        row |= {"residual_nm": residual, "residual_percent": 100.0 * residual / float(fit.problem.mean.max())}
-        row |= {"held_out_nm": _held_out(fit), "parameters": _parameters(fit)}
-    return row
+        names = ("log_evidence", "residual_nm", "residual_percent", "held_out_nm")
+        return {"law": judged.law, "probability": 0.0, "curves": 0, "parameters": {}} | dict.fromkeys(names)
+    residual = _rms(fit.residual)
+    return {
+        "law": judged.law,
+        "probability": probability,
+        "log_evidence": judged.log_evidence,
+        "residual_nm": residual,
+        "residual_percent": 100.0 * residual / float(fit.problem.mean.max()),
+        "held_out_nm": _held_out(fit),
+        "curves": _curves(fit),
+        "parameters": _parameters(fit),
+    }
 
 
 def _held_out(fit: Fit) -> float | None:

@@ -1,12 +1,8 @@
-"""Laws of one family under the same recordings: fits of each, what a law promises beside a fit, and their evidence.
+"""Laws of one family under the same recordings: where their fits begin, the fits, and their evidence.
 
 All laws are judged with one noise, one error of the solver and one prior of the discrepancy
 (`palpate.inference.discrepancy`), so that their log evidences can be subtracted. Their parameters have priors that are
 even over the ranges which the recordings suggest without a simulation (`palpate.draft.guesses`).
-
-A law that contains the base law, at neutral values of its further parameters, has the same curves there. Derivatives by
-all of its parameters at that point give, to first order, the best fit that it can reach and its evidence: a score test
-(C.R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50-57) with the discrepancy integrated over. It costs one simulation.
 """
 
 from __future__ import annotations
@@ -19,14 +15,11 @@ import numpy as np
 
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
-from palpate.errors import PalpateError
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.problem import Problem
-from palpate.inference.search_state import SearchState
 from palpate.materials import law_of
 from palpate.materials.first_guess import Guessed
-from palpate.models.finite_elements import FiniteElements
 
 Levels = Mapping[str, Sequence[float]]
 
@@ -67,6 +60,21 @@ class ComparedLaws:
         values = {name: float(np.mean(found.values)) for name, found in self.guessed[law].items()}
         return self.problem(law).forward.coordinates.scaled(values)
 
+    def at_base(self, law: str, values: Mapping[str, float]) -> list[np.ndarray]:
+        """Return the coordinates (k,) at which a law equals the base law, or nearly so; none if it does not contain it.
+
+        Parameters
+        ----------
+        law
+            Its key.
+        values
+            Of all parameters that have a neutral value, by name (`palpate.materials.families.neutral`).
+        """
+        coordinates = self.problem(law).forward.coordinates
+        if not set(coordinates.names) <= set(values):
+            return []
+        return [np.clip(coordinates.scaled(values), *coordinates.limits)]
+
     def fit(self, law: str, starts: Sequence[np.ndarray]) -> Fit:
         """Fit a law from coordinates (k,); raises `PalpateError` where it fails at all of them.
 
@@ -80,35 +88,6 @@ class ComparedLaws:
         """Return a fit with the errors by which laws are compared."""
         fitter = self._fitter(fit.problem)
         return replace(fit, errors=fitter.errors((), fit.model, fit.z, fit.curve)).sized()
-
-    def promised(self, law: str, values: Mapping[str, float], base: Fit) -> Fit:
-        """Return a law where it equals the base law, or nearly so; its evidence there is that of the best linear step.
-
-        Parameters
-        ----------
-        law
-            Its key.
-        values
-            Its parameters by name.
-        base
-            The fit of the base law.
-
-        Raises
-        ------
-        PalpateError
-            When it cannot be simulated there.
-        """
-        problem = self.problem(law)
-        forward, like = problem.forward, base.model
-        assert isinstance(forward, FiniteElements) and isinstance(like, FiniteElements)
-        z = np.clip(forward.coordinates.scaled(values), *forward.coordinates.limits)
-        model = forward.anchored_like(like, z)
-        (found,) = model.tangents([z])
-        if isinstance(found, str):
-            raise PalpateError(found)
-        end = SearchState(z, problem.stacked(found[0]), problem.stacked(found[1]))
-        fitter = self._fitter(problem)
-        return replace(fitter.at_end((), model, end, fitter.errors((), model, z, end.curve)), converged=True).sized()
 
     @cached_property
     def _settings(self) -> tuple[float, float, float]:

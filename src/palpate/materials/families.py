@@ -1,8 +1,8 @@
 """Families of materials: the law by which the choice among laws begins, and the laws that are compared with it.
 
-The base law of a family has few parameters. Its extensions contain it, at neutral values of their further parameters,
-or nearly so, and `neutral` gives these. Eyring flow, whose stress depends on the rate, has no such limit within usual
-values.
+The base law of a family has few parameters. Most of the others contain it, or nearly so, at neutral values of their
+further parameters, and `neutral` gives these. Eyring flow, whose stress depends on the rate, has no such limit within
+usual values.
 """
 
 from __future__ import annotations
@@ -22,20 +22,17 @@ class Family:
     ----------
     base
         Key of the law that is fitted first, parts joined by ``+``.
-    extensions
-        Keys of the laws that contain it, or nearly so.
-    apart
-        Keys of the laws that are fitted in any case, as they do not.
+    others
+        Keys of the laws that are compared with it.
     """
 
     base: str
-    extensions: tuple[str, ...]
-    apart: tuple[str, ...] = ()
+    others: tuple[str, ...]
 
     @property
     def laws(self) -> tuple[str, ...]:
         """Keys of all laws of the family."""
-        return (self.base, *self.extensions, *self.apart)
+        return (self.base, *self.others)
 
 
 SPECTRUM, KINEMATIC = "retardation_spectrum", "kinematic_hardening"
@@ -47,8 +44,9 @@ FAMILIES = {
             f"drucker_prager+{SPECTRUM}",
             f"ludwik_plasticity+{SPECTRUM}",
             f"voce_plasticity+{SPECTRUM}",
+            f"hardening_eyring+{SPECTRUM}",
+            f"hardening_eyring+{KINEMATIC}+{SPECTRUM}",
         ),
-        (f"hardening_eyring+{SPECTRUM}", f"hardening_eyring+{KINEMATIC}+{SPECTRUM}"),
     ),
     "metal": Family(
         "bilinear_plasticity",
@@ -61,12 +59,12 @@ FAMILIES = {
     ),
     # In minutes no glass creeps: what depends on time is the instrument's, and a spectrum would take a lag for creep.
     "glass": Family("bilinear_plasticity", ("drucker_prager", "ludwik_plasticity", "voce_plasticity")),
-    "gel": Family(SPECTRUM, (f"nonlinear_burgers+{SPECTRUM}",), ("elastic",)),
+    "gel": Family(SPECTRUM, (f"nonlinear_burgers+{SPECTRUM}", "elastic")),
 }
 
 
 def neutral(base: Mapping[str, float], loading_time: float) -> dict[str, float]:
-    """Return values of the parameters of the extensions of a base law at which they equal it, or nearly so.
+    """Return values of the parameters of laws that contain a base law at which they equal it, or nearly so.
 
     Parameters
     ----------

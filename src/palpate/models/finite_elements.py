@@ -159,11 +159,6 @@ class FiniteElements:
         found = Anchors(u, self.body.mechanisms, anchors_at(self._under_others(()), u))
         return replace(self, level=SEARCH, anchors=found.extrapolated(known))
 
-    def anchored_like(self, other: FiniteElements, u: np.ndarray) -> FiniteElements:
-        """Return the finite elements with the anchors of another law, whose body is that at coordinates u (k,)."""
-        anchors = other.anchors and replace(other.anchors, point=u)
-        return replace(self, level=other.level, anchors=anchors)
-
     def refined(self, u: np.ndarray) -> FiniteElements | None:
         """See `Forward`; None for a pyramid, where the edge of contact matters, and where it is refined already."""
         if not self.anchors or self.anchors.refined or not self.body.study.of_revolution or self._at_edge(u):

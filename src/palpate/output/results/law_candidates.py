@@ -11,10 +11,7 @@ from palpate.base.parameters import in_words
 from palpate.base.rounding import interval_of, percent
 from palpate.materials import law_of
 
-UNDER = (
-    "Log evidence with the discrepancy of the law. Laws that were not fitted are judged by the best linear step from "
-    "the first law, and have no probability."
-)
+UNDER = "Log evidence with the discrepancy of the law; none where a law could not be fitted."
 
 
 def choice_sentences(choice: Mapping[str, Any]) -> str:
@@ -33,11 +30,10 @@ def choice_sentences(choice: Mapping[str, Any]) -> str:
 
 
 def choice_table(choice: Mapping[str, Any]) -> pd.DataFrame:
-    """Return one row a law: how it was judged, probability, log evidence, residual, held-out error and curves."""
+    """Return one row a law: probability, log evidence, residual, held-out error and curves."""
     return pd.DataFrame(
         {
             "law": law_of(row["law"]).title,
-            "judged by": "a fit" if row["fitted"] else "one simulation",
             "probability": row["probability"],
             "log evidence": row["log_evidence"],
             "residual [nm]": row["residual_nm"],
