@@ -152,7 +152,7 @@ def test_a_history_is_divided_at_its_samples():
 def test_the_last_third_of_cycles_is_proposed():
     (condition, _) = study_of(STUDY).conditions
     (begin, end), words = last_cycles(condition.protocol)
-    assert (begin, end, words) == (40.0, 60.0, "the last of 3 cycles")
+    assert (begin, end, words) == (40.0, 60.0, "the last cycle")
     assert last_cycles(trapezoid(1.0, 10.0, 5.0, 10.0)) is None
 
 
@@ -165,8 +165,8 @@ def test_a_draft_of_one_test_holds_its_last_cycles_out(tmp_path, capsys):
     (part,) = study.conditions[0].held_out
     assert part == pytest.approx((40.0, 60.0), abs=0.5)
     shown = capsys.readouterr()
-    assert "the last of 3 cycles" in shown.err and f"validated on {study.conditions[1].name}" in shown.out
+    assert "the last cycle" in shown.err and f"validated on {study.conditions[1].name}" in shown.out
     text = (tmp_path / "first/study.yaml").read_text()
     (tmp_path / "study.yaml").write_text(re.sub(r", held_out: \[\[.*?\]\]", "", text))
     assert main(["check", str(tmp_path / "study.yaml")]) == 0
-    assert "would validate on the last of 3 cycles" in capsys.readouterr().out
+    assert "would validate on the last cycle" in capsys.readouterr().out

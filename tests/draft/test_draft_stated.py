@@ -3,17 +3,21 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from public_files import XP, needs_recordings
 
 from indentation_files.readers import read_vendor_file
+from indentation_files.recording import Recording
 from palpate.cli.main import main
 from palpate.configuration.study_file import load_study
+from palpate.draft.guess_table import evaluated
 from palpate.draft.known_tip import KnownTip
 from palpate.draft.remarks import not_taken
 from palpate.draft.solid import Solid
-from palpate.draft.stated import Stated, modulus_and_hardness
+from palpate.draft.stated import Stated, hardness, youngs_modulus
 
+UP = np.linspace(0.0, 1.0, 50)
 ROUNDED = {"Area Coefficient 1": "24.6954", "Area Coefficient 2": "395.770081", "Area Coefficient 3": "-16.1315828"}
 
 
@@ -102,9 +106,26 @@ def test_a_contact_area_of_another_tip_is_reported_where_it_is_not_taken():
 def test_the_ratio_that_optics11_writes_into_its_modulus_is_taken():
     metadata = {"E[eff] (Pa)": "23434.7", "E[v=0.400] (Pa)": "17576.0"}
     assert Stated.by_all([metadata]).poisson_ratio == 0.4
-    assert modulus_and_hardness(metadata, 0.4) == (pytest.approx(17576e-9), None)
+    assert youngs_modulus(metadata) == pytest.approx(17576e-9) and hardness(metadata) is None
 
 
 def test_a_modulus_by_hertz_stands_in_for_that_by_unloading():
-    assert modulus_and_hardness({"EHz": "755.57 kPa"}, 0.3)[0] == pytest.approx(755.57e-6)
-    assert modulus_and_hardness({"EHz": "755.57 kPa", "EIT": "840.33 kPa"}, 0.3)[0] == pytest.approx(840.33e-6)
+    assert youngs_modulus({"EHz": "755.57 kPa"}) == pytest.approx(755.57e-6)
+    assert youngs_modulus({"EHz": "755.57 kPa", "EIT": "840.33 kPa"}) == pytest.approx(840.33e-6)
+
+
+def test_a_plane_strain_modulus_is_shown_as_the_file_states_it():
+    modulus, _ = evaluated(Solid(60.0, 70.0, 9.0), [{"EIT/(1-vs^2)": "78.7 GPa"}] * 2, 0.35)
+    assert modulus.why == (
+        "the files state 78.7 GPa (median of 2 tests) for E/(1 - nu^2), 69.06 GPa with a Poisson's ratio of 0.35"
+    )
+
+
+def test_what_unloading_gives_back_is_a_part_of_the_work_of_loading_and_hold():
+    """By 100 nm in loading and in unloading at a constant rate, and by 50 nm in the hold between them at 1 mN."""
+    load = np.concatenate([UP, np.ones(50), UP[::-1]])
+    depth = np.concatenate([100.0 * UP, np.linspace(100.0, 150.0, 50), 150.0 - 100.0 * (1.0 - UP[::-1])])
+    test = Recording(np.arange(len(load)), load, depth, "held")
+    assert Solid.of([test], KnownTip({"shape": "cone", "half_angle": 70.3}), 0.3).returned == pytest.approx(
+        0.5, abs=0.02
+    )

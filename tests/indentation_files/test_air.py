@@ -193,6 +193,12 @@ def test_the_user_s_own_contact_of_single_tests():
         zeroed_each(Path("x"), tests, {7: 1.0})
 
 
+def test_the_file_s_own_contact_may_lie_before_its_first_row():
+    time = np.linspace(0.1, 60.0, 600)
+    test = VendorTest("late", Recording(time, 0.4 + time, 31.0 + 4.0 * time, "late"))
+    assert decision(test.recording, zeroed(test, "file").recording) == ("the file's own", pytest.approx(0.0))
+
+
 def test_the_interval_becomes_the_range_of_a_zero_offset(tmp_path):
     scale = Scale(500.0, 1.0, 3.0, 60.0, 30.0, 70.3, 0.1)
     one = Recording(np.arange(3.0), np.arange(3.0), np.arange(3.0), "a", ("contact_interval_nm: -4 9",))

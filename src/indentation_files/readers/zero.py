@@ -215,7 +215,8 @@ def decision(whole: Recording, begun_at: Recording) -> tuple[str, float]:
         found = DECIDED.match(note)
         if found:
             return found[1], float(found[2])
-    return "the file's own", float(np.interp(0.0, whole.time, whole.depth))
+    peak, kept = int(np.argmax(whole.load)), int(np.argmax(begun_at.load))
+    return "the file's own", float(whole.depth[peak] - begun_at.depth[kept])
 
 
 def _check_signs(name: str, recording: Recording) -> None:

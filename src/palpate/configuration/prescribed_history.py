@@ -63,7 +63,9 @@ class Histories:
             for file in recording_files(folder):
                 if condition_of(file) == entry["name"]:
                     return read_recording(file)
+        searched = " and ".join(map(str, self.recordings.values()))
+        where = f" in {searched} below {Path.cwd()}" if searched else ""
         raise InputError(
-            "load_history is `recorded`, but there is no recording of this condition",
-            remedy=f"add {entry['name']}_1.csv to a folder under recordings that no laboratory writes",
+            f"load_history is `recorded`, but there is no recording of this condition{where}",
+            remedy=f"correct that folder, or add {entry['name']}_1.csv to one that no laboratory writes",
         )

@@ -46,7 +46,7 @@ def find(study: Study, name: str) -> dict[str, list[Path]]:
         if condition not in found:
             raise InputError(
                 "the file's name is not CONDITION_REPLICATE.csv with a condition of the study",
-                remedy=f"move it away, or add its condition to {', '.join(names)}",
+                remedy=f"rename or remove it, or add its condition to {study.file}, which has {', '.join(names)}",
                 file=file,
             )
         found[condition].append(file)

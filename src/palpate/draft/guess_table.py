@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from palpate.draft.known_tip import FILES, KnownTip
 from palpate.draft.prescribed_drive import Drive
 from palpate.draft.solid import OF_GELS, Solid
-from palpate.draft.stated import modulus_and_hardness
+from palpate.draft.stated import hardness, plane_strain_modulus, youngs_modulus
 from palpate.materials import law_of
 from palpate.materials.first_guess import Guessed
 
@@ -64,18 +64,34 @@ def _guessed_ratio(ratio: float) -> str:
 def evaluated(solid: Solid, facts: Sequence[Mapping[str, Any]], ratio: float) -> list[Guess]:
     """Return modulus and hardness by unloading, ours beside the vendor's own, medians of the tests.
 
-    A Poisson's `ratio` turns a vendor's plane-strain modulus into Young's.
+    Where files state a plane-strain modulus alone, Young's follows from it with a Poisson's `ratio`.
     """
-    rows = []
-    for what, ours, place in (("modulus", solid.modulus, 0), ("hardness", solid.hardness, 1)):
-        theirs = [value for each in facts if (value := modulus_and_hardness(each, ratio)[place]) is not None]
-        if math.isnan(ours) and not theirs:
-            continue
-        shown = "no unloading determines it" if math.isnan(ours) else f"{ours:.4g} GPa"
-        count = f" (median of {len(theirs)} tests)" if len(theirs) > 1 else ""
-        vendor = f"the files state {float(np.median(theirs)):.4g} GPa{count}" if theirs else "the files state none"
-        rows.append(Guess(f"{what} by unloading", shown, vendor))
-    return rows
+    moduli, in_plane_strain = _known(map(youngs_modulus, facts)), _known(map(plane_strain_modulus, facts))
+    vendor = _median(moduli)
+    if in_plane_strain and not moduli:
+        young = float(np.median(in_plane_strain)) * (1.0 - ratio**2)
+        vendor = f"{_median(in_plane_strain)} for E/(1 - nu^2), {young:.4g} GPa with a Poisson's ratio of {ratio:g}"
+    rows = [("modulus", solid.modulus, vendor), ("hardness", solid.hardness, _median(_known(map(hardness, facts))))]
+    return [
+        Guess(
+            f"{what} by unloading",
+            "no unloading determines it" if math.isnan(ours) else f"{ours:.4g} GPa",
+            f"the files state {theirs or 'none'}",
+        )
+        for what, ours, theirs in rows
+        if theirs or not math.isnan(ours)
+    ]
+
+
+def _known(values: Iterable[float | None]) -> list[float]:
+    return [value for value in values if value is not None]
+
+
+def _median(values: Sequence[float]) -> str:
+    """Return the median [GPa] of what tests state in words; empty where none states it."""
+    if not values:
+        return ""
+    return f"{float(np.median(values)):.4g} GPa{f' (median of {len(values)} tests)' if len(values) > 1 else ''}"
 
 
 def lines(rows: Sequence[Guess]) -> list[str]:

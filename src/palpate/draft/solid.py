@@ -93,13 +93,16 @@ def _creep(recording: Recording) -> float:
 
 
 def _returned(recording: Recording) -> float:
-    """Return the part of the work of loading that is given back before the load has fallen to a tenth."""
-    peak = int(np.argmax(recording.load))
-    if recording.load[-1] > 0.1 * recording.load[peak]:
+    """Return the part of the work of loading, and of a hold, that unloading gives back (ISO 14577-1: eta_IT).
+
+    It is NaN of a test whose load does not fall below a tenth of the largest.
+    """
+    largest = recording.load.max()
+    if recording.load[-1] > 0.1 * largest:
         return math.nan
+    end = int(np.flatnonzero(recording.load >= HELD * largest)[-1])
     done, given = (
-        float(np.trapezoid(recording.load[part], recording.depth[part]))
-        for part in (slice(peak + 1), slice(peak, None))
+        float(np.trapezoid(recording.load[part], recording.depth[part])) for part in (slice(end + 1), slice(end, None))
     )
     return -given / done if done > 0.0 else math.nan
 

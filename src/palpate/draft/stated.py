@@ -143,16 +143,19 @@ def quantity(
     return None
 
 
-def modulus_and_hardness(metadata: Mapping[str, Any], ratio: float) -> tuple[float | None, float | None]:
-    """Return the modulus and the hardness that the vendor's own evaluation gives [GPa]; None where it gives none.
+def youngs_modulus(metadata: Mapping[str, Any]) -> float | None:
+    """Return Young's modulus by the vendor's own evaluation [GPa]; None where it gives none."""
+    return quantity(metadata, MODULUS, PRESSURES) or quantity(metadata, BY_HERTZ, PRESSURES)
 
-    A plane-strain modulus is turned into Young's with a Poisson's `ratio`.
-    """
-    plane = quantity(metadata, PLANE_STRAIN, PRESSURES)
-    young = quantity(metadata, MODULUS, PRESSURES) or quantity(metadata, BY_HERTZ, PRESSURES)
-    if young is None and plane:
-        young = plane * (1.0 - ratio**2)
-    return young, quantity(metadata, HARDNESS, PRESSURES)
+
+def plane_strain_modulus(metadata: Mapping[str, Any]) -> float | None:
+    """Return E / (1 - nu^2) by the vendor's own evaluation [GPa]; None where it gives none."""
+    return quantity(metadata, PLANE_STRAIN, PRESSURES)
+
+
+def hardness(metadata: Mapping[str, Any]) -> float | None:
+    """Return the hardness by the vendor's own evaluation [GPa]; None where it gives none."""
+    return quantity(metadata, HARDNESS, PRESSURES)
 
 
 def of_instrument(metadata: Mapping[str, Any]) -> list[str]:

@@ -67,10 +67,13 @@ def cycle_begins(protocol: Protocol) -> list[float]:
 
 
 def last_cycles(protocol: Protocol) -> tuple[tuple[float, float], str] | None:
-    """Return when the last third of the cycles begins and ends [s], and its name in words; None of a single cycle."""
+    """Return when the last third of the cycles begins and ends [s], and its name in words; None of a single cycle.
+
+    Their number is not stated: cycles below a twentieth of the largest drive are not told apart.
+    """
     begins = cycle_begins(protocol)
     if len(begins) == 1:
         return None
     count = max(1, round(HELD_OUT * len(begins)))
-    words = f"the last {f'{count} ' if count > 1 else ''}of {len(begins)} cycles"
+    words = f"the last {count} cycles" if count > 1 else "the last cycle"
     return (begins[-count], float(protocol.knot_time[-1])), words

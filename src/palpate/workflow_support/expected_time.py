@@ -31,7 +31,7 @@ CREEP, PLASTIC, ELASTIC = 0.10, 0.30, 0.09  # s of processor time of one curve o
 GEL = "gel"  # the family without a law that yields
 YIELDS = "yield_stress"  # the parameter of bodies that yield
 CORNERS = 0.005  # of that, more for each corner of the load beyond those of a trapezoid
-CHOICE, APART = 400, 150  # curves of one condition until a law is chosen; more for each that is fitted in any case
+CHOICE, OTHER_LAW = 200, 120  # curves of one condition in the fit of the first law of a family, and of each other one
 CALIBRATION = 160  # curves of one condition in a calibration with replicates
 CALIBRATION_ALONE = 500  # the same without, where searches begin at many places
 DIAGNOSIS = 280  # curves of one condition in any diagnosis
@@ -118,7 +118,7 @@ def _choice(study: Study, cost: float) -> float:
     """Return the time until the law is chosen [s], none where it is known."""
     if not study.law_is_open:
         return 0.0
-    curves = CHOICE + APART * len(FAMILIES[study.family].apart)
+    curves = CHOICE + OTHER_LAW * len(FAMILIES[study.family].others)
     return START + curves * _together(cost, len(study.calibrated))
 
 
