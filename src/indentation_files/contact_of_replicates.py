@@ -77,8 +77,10 @@ def vague(recordings: Sequence[Recording]) -> Iterator[str]:
     """Report contacts whose interval is wider than a tenth of the test's depth."""
     wide = [one for one in sought_in(recordings) if one.upper - one.lower > VAGUE * one.reach]
     if wide:
-        first = max(wide, key=lambda one: (one.upper - one.lower) / one.reach)
+        shares = {one.name: (one.upper - one.lower) / one.reach for one in wide}
+        widest = max(shares, key=lambda name: shares[name])
+        least = f"{100 * min(shares.values()):.0f} to " if len(wide) > 1 else ""
         yield (
-            f"{first.name}.csv{and_more(wide)}: contact is known to {(first.upper - first.lower) / first.reach:.0%} of "
-            "the test's depth only; a diagnosis tries every zero of the depth within it"
+            f"{widest}.csv{and_more(wide)}: contact is known to {least}{shares[widest]:.0%} of the test's depth only; "
+            "a diagnosis tries every zero of the depth within it"
         )

@@ -9,6 +9,7 @@ from palpate.base.rounding import interval, percent, rounded, unit_html
 from palpate.output.results.answer import Answer
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis
+from palpate.output.results.misfit import progress
 
 
 @pytest.mark.parametrize(
@@ -124,6 +125,16 @@ def test_a_misfit_near_the_noise_does_not_speak_for_the_model(tmp_path):
     assert "explains the recordings" not in text
     assert "1.17); a small effect may still be present" in text
     assert "does not explain the recordings" in Calibration(found).misfit_sentence()
+
+
+def test_a_departure_of_the_law_is_stated_and_not_called_noise(tmp_path):
+    """The discrepancy is among the errors by which chi-square counts, which is near one whatever is left."""
+    content = saved(tmp_path).calibrations["all"] | {"misfit_ratio": 1.1, "converged": False}
+    content |= {"discrepancy": {"share": 0.079, "lower": 0.071, "upper": 0.088}}
+    text = Calibration(saved(tmp_path, calibrations={"all": content})).misfit_sentence()
+    assert text.startswith("Beside noise the base model departs from the recordings by 7.9 (7.1 to 8.8) % of the depth")
+    assert progress(content).startswith("misfit 4.20 to 8.61 nm, a departure of the law by 7.9")
+    assert progress(content).endswith("the search has not converged")
 
 
 def test_estimates_outside_their_range_and_searches_that_have_not_settled_are_told(tmp_path):

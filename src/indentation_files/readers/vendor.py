@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,10 +18,12 @@ from indentation_files.readers.rising_time import increasing, stands_still
 from indentation_files.readers.several_tests import padding, taken, whole, without_stand_ins, written_twice
 from indentation_files.readers.source import Source
 from indentation_files.recording import Recording, spaced
+from indentation_files.sentences import and_more
 
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
 PLACES = 3
+NUMBER = re.compile(r"\d+(\.\d+)?(e[-+]?\d+)?")
 Corrections = frozenset[str] | None
 Found = TypeVar("Found")
 
@@ -135,13 +138,21 @@ def all_sound(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest]:
 
 
 def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[str]:
-    """Say what of a file is left out, and why, and what the readers warn of."""
+    """Say what of a file is left out, and why, and what the readers warn of.
+
+    Warnings of several tests that differ in their numbers alone are said once, with those of the first test; each
+    recording states its own.
+    """
     for test in tests:
         if isinstance(test, Unreadable):
             yield f"{test.error}; the {'test' if test.sought else 'sheet'} is left out"
+    alike: dict[str, dict[str, str]] = {}
     for test in tests:
         for warning in () if isinstance(test, Unreadable) else test.warnings:
-            yield f"{path}, {test.name}: {warning}"
+            alike.setdefault(NUMBER.sub("#", warning), {})[test.name] = warning
+    for warnings in alike.values():
+        name, warning = next(iter(warnings.items()))
+        yield f"{path}, {name}{and_more(warnings)}: {warning}"
 
 
 def refuse_corrections(source: Source, corrections: Corrections) -> None:

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import TextIO
 
 from palpate.base.rounding import rounded
-from palpate.inference.calibration_result import MOST_MISFIT
 from palpate.output.results.bulk_errors import bulk_sentences
 from palpate.output.results.imprint_errors import imprint_sentences
 from palpate.output.results.law_candidates import choice_sentences
+from palpate.output.results.misfit import progress
 from palpate.workflow_support.expected_time import COMPILING, time_in_words
 from palpate.workflow_support.result_files import read_json
 
@@ -179,10 +179,8 @@ class Console:
                     yield f"worst surrogate error {rounded(self.worst[0], 2)} {self.worst[1]}"
             elif rule.startswith("calibration"):
                 found = read_json(file)
-                ratio = found["misfit_ratio"]
-                enough = "about the noise" if ratio < MOST_MISFIT else "more than the noise"
                 where = f"{file.parents[1].name}, {file.stem}"
-                yield f"{where}: chi-square per degree of freedom {rounded(ratio)}, {enough}"
+                yield f"{where}: {progress(found)}"
                 yield from (f"{where}: {text}" for text in bulk_sentences(found.get("uniaxial") or {}))
                 yield from (f"{where}: {text}" for text in imprint_sentences(found.get("imprint") or {}))
             elif rule == "diagnosis":

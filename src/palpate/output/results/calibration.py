@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from indentation_files.recording import Recording
 from palpate.base.parameters import in_words
-from palpate.base.rounding import interval_of, rounded
+from palpate.base.rounding import interval_of
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.inference.calibration_result import MOST_MISFIT
@@ -23,6 +23,7 @@ from palpate.output.figures import uniaxial_curves
 from palpate.output.figures.curve_panels import of_fit
 from palpate.output.results.bulk_errors import bulk_sentences, bulk_table
 from palpate.output.results.imprint_errors import imprint_sentences, imprint_table
+from palpate.output.results.misfit import departure_in_words, span
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 
@@ -119,22 +120,27 @@ class Calibration(Shown):
     def error_sentence(self) -> str:
         """Return the root mean square errors over the conditions."""
         entries = self.content["conditions"].values()
-        text = f"Root mean square misfit {_span([entry['rmse_nm'] for entry in entries])} nm over the conditions."
+        text = f"Root mean square misfit {span([entry['rmse_nm'] for entry in entries])} nm over the conditions."
         for each in (each for each in OBSERVABLES.values() if each.unit != "nm"):
             if errors := [entry[each.column("rmse")] for entry in entries if each.column("rmse") in entry]:
                 text += (
-                    f" Under {each.control} control the misfit of the {each.name} is {_span(errors)} {each.unit}; "
+                    f" Under {each.control} control the misfit of the {each.name} is {span(errors)} {each.unit}; "
                     "in nm it is the equivalent difference of depth under the same load."
                 )
         return text
 
     def misfit_sentence(self) -> str:
-        """Return what chi-square says of the base model."""
+        """Return how far the base model departs from the recordings beside their noise."""
         if all(entry["replicates"] == 1 for entry in self.content["noise"].values()):
             return (
                 "There are no replicates, so the noise of the recordings is not known: it was taken from the "
                 "misfit itself, which therefore cannot test the model. Look at the misfit in time: a smooth pattern, "
                 "rather than noise, means that the model lacks something."
+            )
+        if departure := departure_in_words(self.content):
+            return (
+                f"Beside noise the base model departs from the recordings by {departure}; the diagnosis tests whether "
+                "an effect is behind that, and one that is smaller may be present, too."
             )
         ratio = self.content["misfit_ratio"]
         if ratio < MOST_MISFIT:
@@ -222,8 +228,3 @@ class Calibration(Shown):
             f"<Calibration of {self.study.name!r}, recordings {self.saved.name!r}: {fixed} of {len(known)} parameters "
             "identified>"
         )
-
-
-def _span(errors: Sequence[float]) -> str:
-    """Return the smallest and the largest error as text."""
-    return f"{rounded(min(errors))} to {rounded(max(errors))}" if len(errors) > 1 else rounded(errors[0])
