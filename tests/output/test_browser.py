@@ -120,5 +120,6 @@ def test_the_saved_view_of_mlflow_shows_verdict_and_held_out_error(browser, tmp_
         shown = page.inner_text("body")
         assert "verdict" in shown and "identified" in shown
     finally:
-        os.killpg(server.pid, 15)
+        server.terminate()
         server.wait()
+    assert _free(port) == port, "MLflow goes on after the command"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import socket
 import subprocess
 import sys
 import time
 import urllib.request
+from contextlib import suppress
 from pathlib import Path
 
 from palpate.errors import InputError
@@ -49,10 +51,18 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     print("MLflow starts, which takes some seconds", flush=True)
     command = ["-m", "mlflow", "ui", "--backend-store-uri", store, "--port", str(port), "--workers", "1"]
-    with subprocess.Popen([sys.executable, *command], env=os.environ | LIMITS, stdout=sys.stderr) as process:
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    process = subprocess.Popen(
+        [sys.executable, *command], env=os.environ | LIMITS, stdout=sys.stderr, start_new_session=True
+    )
+    try:
         if _answers(process, f"{server}/health"):
             print(*links, "Ctrl-C ends it", sep="\n", flush=True)
         return process.wait()
+    finally:  # however this command ends: MLflow's own processes would keep the port
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGTERM)
+        process.wait()
 
 
 def _answers(process: subprocess.Popen[bytes], address: str) -> bool:

@@ -7,6 +7,7 @@ distinguish. Drawing opens no window and leaves Matplotlib's own settings as the
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ ACCEPTED: dict[str, Any] = {"color": SIMULATED, "linestyle": "-", "linewidth": 1
 SERIES = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#000000", "#56b4e9", "#d55e00")
 DOUBLE_COLUMN = 7.2  # inches
 SMALLEST = 7  # pt, of any text
+LETTERS = 14  # of a title in an inch of width
 RESOLUTION = 300  # dots per inch of a raster image
 
 LOOK: dict[Any, Any] = {
@@ -72,7 +74,8 @@ def headed(figure: Figure, title: str, synthetic: bool) -> None:
     """Write the title above a figure, if there is one, and that the recordings are not measured, where they are not."""
     marked = "synthetic recordings" if synthetic else ""
     if title:
-        figure.suptitle("   ".join(filter(None, (title, f"({marked})" if marked else ""))))
+        text = "   ".join(filter(None, (title, f"({marked})" if marked else "")))
+        figure.suptitle(textwrap.fill(text, round(LETTERS * figure.get_figwidth())))
     elif marked:
         figure.suptitle(marked, fontsize=SMALLEST, style="italic", color="0.35")
 
