@@ -21,7 +21,7 @@ def sentence(content: Mapping[str, Any]) -> str:
     verdict, law = content["verdict"], _law(content)
     if verdict == "adequate":
         claim = "The base model describes the recordings; no effect of the library is needed beside it."
-        if content["nothing_further"]["probability"] < LIKELIER:
+        if effect_is_likelier(content["nothing_further"]):
             claim = "The base model may describe the recordings alone, but an effect beside it is likelier."
         elif content["law_within_tolerance"] is not True:
             claim = "No effect of the library is certain, nor that the base model describes the recordings without one."
@@ -43,6 +43,11 @@ def sentence(content: Mapping[str, Any]) -> str:
     names = "; ".join(f"{_claim(c)} ({percent(c['probability'])})" for c in content["candidates"])
     names = f"Each of these explains it, and these tests do not distinguish them: {names}"
     return f"{start} {names}.{_in_all(content)}{law}{_next_test(content, 'the first two')}"
+
+
+def effect_is_likelier(further: Mapping[str, Any]) -> bool:
+    """Return whether an effect beside an adequate base model is likelier than none, by ``nothing_further``."""
+    return bool(further["probability"] < LIKELIER)
 
 
 CLASS_IN_WORDS = {
