@@ -14,7 +14,6 @@ from palpate.diagnosis.diagnosis_result import material_parameters, mechanism_pa
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.nothing_further import SHOWN
 from palpate.diagnosis.search import Search
-from palpate.inference.posterior import posterior_draws
 from palpate.inference.problem import Problem
 from palpate.mechanisms import Scale
 from studies.claims.body import KEYS, BodyWithMechanisms
@@ -34,8 +33,7 @@ def diagnosed(case: Case, study: Study) -> dict[str, Any]:
     )
     search = Search(own, problem, KEYS, np.random.default_rng(case.seed))
     found = diagnose(search, lambda line: None)
-    best = (found.accepted[0] if found.accepted else found.base).fit
-    draws = posterior_draws(best)
+    best, draws = found.best.fit, found.best.draws
     law = discrepancy(best) or {}
     named = frozenset(best.explanation)
     return {

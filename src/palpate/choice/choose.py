@@ -25,6 +25,7 @@ from palpate.base.threads import on_one_thread
 from palpate.choice.compared_laws import ComparedLaws
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.study_file import Study
+from palpate.data.measures import root_mean_square
 from palpate.data.study_recordings import check, resampled
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
@@ -153,7 +154,7 @@ def _base_fit(laws: ComparedLaws, law: str, report: Callable[[str], None]) -> tu
         own = problem.at_one_load(fit.coordinates.named(fit.z), report)
         laws = replace(laws, observed=own.recorded)
     laws = replace(laws, residual=fit.residual)
-    report(f"{law}: root mean square {_rms(fit.residual):.4g} nm")
+    report(f"{law}: root mean square {root_mean_square(fit.residual):.4g} nm")
     return laws, laws.weighed(fit)
 
 
@@ -173,7 +174,8 @@ def _fitted(laws: ComparedLaws, promised: Judged, begun: np.ndarray, report: Cal
         report(f"{promised.law} could not be fitted: {error}")
         return promised
     found = Judged(promised.law, fit, True, promised.curves + _curves(fit))
-    report(f"{promised.law}: root mean square {_rms(fit.residual):.4g} nm, log evidence {found.log_evidence:.1f}")
+    left = root_mean_square(fit.residual)
+    report(f"{promised.law}: root mean square {left:.4g} nm, log evidence {found.log_evidence:.1f}")
     return found
 
 
@@ -211,7 +213,7 @@ def _row(judged: Judged, probability: float | None) -> dict[str, Any]:
         return row
     row["log_evidence"] = judged.log_evidence
     if judged.fitted:
-        residual = _rms(fit.residual)
+        residual = root_mean_square(fit.residual)
         row |= {"residual_nm": residual, "residual_percent": 100.0 * residual / float(fit.problem.mean.max())}
         row |= {"held_out_nm": _held_out(fit), "parameters": _parameters(fit)}
     return row
@@ -224,7 +226,7 @@ def _held_out(fit: Fit) -> float | None:
         for name, curve in fit.everywhere.items()
         if name not in fit.problem.names and not isinstance(curve, str)
     ]
-    return _rms(np.concatenate(errors)) if errors else None
+    return root_mean_square(np.concatenate(errors)) if errors else None
 
 
 def _parameters(fit: Fit) -> dict[str, dict[str, float]]:
@@ -263,7 +265,3 @@ def _size(judged: Judged) -> int:
 def _curves(fit: Fit) -> int:
     assert isinstance(fit.model, FiniteElements)
     return fit.model.body.spent.curves
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -32,10 +32,8 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     if len(conditions) < 2:
         return {}
     estimators, variances, values = zip(*(_values_of_test(fit, k) for k in conditions), strict=True)
-    ends = np.cumsum([len(fit.problem.observed[name].time) for name in fit.problem.names])
-    of = np.concatenate(
-        [np.arange(ends[k] - estimator.shape[1], ends[k]) for k, estimator in zip(conditions, estimators, strict=True)]
-    )
+    places = fit.problem.split(np.arange(len(fit.curve)))
+    of = np.concatenate([places[fit.problem.names[k]] for k in conditions])
     simulated = fit.errors.of_simulation[np.ix_(of, of)]
     found = {}
     for place, amplitude in enumerate(fit.own):
@@ -46,13 +44,10 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
 
 
 def _values_of_test(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the values' departures from their means in the recordings of a condition.
+    """Return the values (k, r) in the recordings of a condition, about their means.
 
-    Returns
-    -------
-    estimator, variances, values : ndarray, shapes (k, n), (k,) and (k, r)
-        The generalised-least-squares matrix that maps depths to values; the variances of the values from the noise of a
-        recording without the scatter of its own amplitudes; and the values.
+    Before them stand the generalised-least-squares matrix (k, n) that maps depths to values, and their variances (k,)
+    from the noise of a recording without the scatter of its own amplitudes.
     """
     noise, own = fit.errors.noise, [str(amplitude) for amplitude in fit.own]
     rest = {name: part for name, part in fit.errors.components[number].items() if name not in own}
@@ -76,14 +71,14 @@ def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rn
 
     Parameters
     ----------
-    rng
-        Source of the draws.
     rows : sequence of ndarray, shape (r,)
         Values of each test's recordings.
     noise : ndarray, shape (c,)
         Variance with which a recording of each test gives its value.
     shared : ndarray, shape (c, c)
         Covariance of what all recordings of a test have in common.
+    rng
+        Source of the draws.
     """
     counts = np.array([len(row) for row in rows])
     means = np.array([row.mean() for row in rows])

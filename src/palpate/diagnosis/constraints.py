@@ -1,10 +1,14 @@
 """Amplitudes that exact laws give without any model of the tip, and whether an explanation agrees with them.
 
 A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
-oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. For the first two,
-the contribution of creep is subtracted. A hold at any load bounds the drift, because creep only adds to the depth. Laws
-are data beside the curves (`palpate.inference.amplitude_constraint`) as long as the two agree: an explanation whose
-amplitude from the curves alone lies outside both intervals is rejected, however well it fits.
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. A hold at any load
+bounds the drift, because creep only adds to the depth.
+
+Creep resembles drift in a hold at low load, and a compliant frame at the top of an unloading. So the first two laws are
+applied to the base model's curves as if these had been recorded, and what they give there is subtracted.
+
+Laws are data beside the curves (`palpate.inference.amplitude_constraint`) as long as the two agree: an explanation
+whose amplitude from the curves alone lies outside both intervals is rejected, however well it fits.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -21,13 +26,18 @@ from indentation_files.sharp_origin import sharp_origin
 from indentation_files.survey import Survey, survey
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
+from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
+from palpate.solver.simulation import simulate_batch
+from palpate.solver.study_scale import middle
 from palpate.study.area_function import AreaFunction
 
+MOST_POINTS = 400  # samples of a simulation that stands for a recording
 OF_HOLDS = (Assumption.ALL_CREEP_IS_KNOWN, Assumption.STEADY_DRIFT)
 OF_TOPS = (Assumption.UNIFORM, Assumption.RECORDED_LOAD_ACTS, Assumption.ONE_COMPLIANCE)
 OF_OSCILLATION = (Assumption.UNIFORM, Assumption.ONE_COMPLIANCE)
@@ -52,7 +62,7 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     Parameters
     ----------
     solid
-        For a solid that creeps: what would be recorded without any effect, see `palpate.diagnosis.exact_constraints`.
+        For a solid that creeps: what would be recorded without any effect, see `undisturbed`.
         The apparent drift and compliance of these curves are subtracted, and widen the intervals by as much on both
         sides, since they are known no better than the material; where these curves give none, the laws do not apply.
     """
@@ -132,6 +142,68 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Ampl
 def _law_of(frame: FrameCompliance, measured_by: str, assumed: Sequence[Assumption]) -> AmplitudeConstraint:
     interval, source = (frame.compliance, frame.lower, frame.upper), f"{measured_by}, {frame.unloadings}"
     return AmplitudeConstraint("frame_compliance", "compliance", *interval, source, breaking(*assumed))
+
+
+class ExactLaws:
+    """Amplitudes that exact laws give for one set of recordings, less the contribution of creep.
+
+    Parameters
+    ----------
+    recorded
+        Recordings of every condition under load control; under displacement control these laws do not apply.
+    """
+
+    def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
+        self._study, self._recorded = study, recorded
+        material = study.specification(middle(study), study.conditions[0])
+        self._creeps = creeps(material.specimen.coefficients)
+        self._solid: dict[str, Recording] = {}
+
+    def beside(self, base: Fit) -> list[AmplitudeConstraint]:
+        """Return the amplitudes from all recordings that take part in a fit of the base model."""
+        names = [condition.name for condition in base.problem.conditions if condition.name in self._recorded]
+        if not names:
+            return []
+        every = [recording for name in names for recording in self._recorded[name]]
+        found = laws_of(every)
+        if self._creeps and any(np.isfinite(law.lower) for law in found):
+            self._solid = undisturbed(base, self._recorded)
+            alone = [self._alone(name) * len(self._recorded[name]) for name in names]
+            found = laws_of(every, chain.from_iterable(alone))
+        with_own = [each.name for each in base.problem.conditions if each.name in names and not each.tip]
+        own = [recording for name in with_own for recording in self._recorded[name]]
+        return [*found, *law_of_reference(own, self._study)]
+
+    def of_each(self) -> dict[str, list[list[AmplitudeConstraint]]]:
+        """Return the amplitudes from each single recording, by condition; call `beside` first."""
+        return {
+            name: [laws_of([test], self._alone(name) if self._creeps else None) for test in tests]
+            for name, tests in self._recorded.items()
+        }
+
+    def _alone(self, name: str) -> list[Recording]:
+        return [self._solid[name]] if name in self._solid else []
+
+
+def undisturbed(base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:
+    """Return what would be recorded without any effect under the conditions that take part in a fit of the base model.
+
+    The first recording of each says when points are taken, at most `MOST_POINTS`. Those where the model fails are left
+    out.
+    """
+    conditions = [_sampled_as(c, recorded[c.name][0]) for c in base.problem.conditions if c.name in recorded]
+    outcomes = simulate_batch(base.problem.forward.specification(base.z, condition) for condition in conditions)
+    return {
+        condition.name: Recording(outcome.time, outcome.load, outcome.depth, condition.name)
+        for condition, outcome in zip(conditions, outcomes, strict=True)
+        if outcome.status == "ok"
+    }
+
+
+def _sampled_as(condition: Condition, recording: Recording) -> Condition:
+    times = recording.time[(recording.time > 0.0) & (recording.time <= condition.protocol.knot_time[-1])]
+    taken = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_POINTS)).round().astype(int))
+    return replace(condition, protocol=replace(condition.protocol, sample_time=times[taken]))
 
 
 def zero_points(

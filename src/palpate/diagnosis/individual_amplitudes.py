@@ -45,13 +45,11 @@ def recording_values(
     """
     if not fit.own:
         return {}
-    best = fit.problem.amplitudes(fit.explanation, fit.z)
-    found: dict[str, list[dict[str, Any]]] = {}
+    best, found = fit.problem.amplitudes(fit.explanation, fit.z), dict[str, list[dict[str, Any]]]()
     body = slice(fit.problem.material)
     slopes, left_open = fit.problem.split(fit.tangent[:, body]), fit.posterior[body, body]
     for condition in study.conditions:
-        item = observed[condition.name]
-        curve = fit.everywhere[condition.name]
+        item, curve = observed[condition.name], fit.everywhere[condition.name]
         if isinstance(curve, str) or condition.part_of:
             continue
         covariance = about(study, fit, condition, curve)
@@ -84,18 +82,10 @@ def in_mean(
 ) -> np.ndarray:
     """Return the effect of departures from mean values on the mean of a condition's recordings (n_points,) [nm].
 
-    The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm].
-    The variances rest on the number of replicates, so departures have Student's distribution with that many degrees of
-    freedom: an outlier, as where a tip met dirt, is not pulled to the mean.
-
-    Parameters
-    ----------
-    study, fit, condition, curve
-        See `about`.
-    item
-        Recordings of the condition.
-    part
-        Where the effect is asked for: the condition itself, or its parts that are held out.
+    The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm],
+    see `about`, from the recordings of the condition in `item`. The variances rest on the number of replicates, so
+    departures have Student's distribution with that many degrees of freedom: an outlier, as where a tip met dirt, is
+    not pulled to the mean. The effect is that in a held-out `part` of the condition, if one is given.
     """
     noise, count, columns, spreads = fit.errors.noise, len(item.response), {}, []
     for amplitude in fit.own:
@@ -120,20 +110,9 @@ def in_mean(
 
 
 def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:
-    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,).
+    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,) [nm].
 
-    Parameters
-    ----------
-    study
-        The study, for the error of the solver.
-    fit
-        An explanation, for its noise.
-    condition
-        The condition.
-    curve : ndarray, shape (n,)
-        Simulated depth [nm].
-    count
-        Number of recordings.
+    The `study` states the error of the solver, and a `fit` has the noise of recordings under a `condition`.
     """
     noise = fit.errors.noise.under(
         fit.problem.names, condition.name, components_under(fit.problem, (), condition, curve)

@@ -32,18 +32,14 @@ def model_free(
 ) -> list[Fact]:
     """Return what the tests of a study that take part in its calibration show without a model.
 
-    Parameters
-    ----------
-    study
-        Says which tip and which load histories there are.
-    recorded
-        Recordings of each condition, from contact on.
-    observed
-        The same, resampled.
+    They are the recordings of each condition, `recorded` from contact on, and `observed` at the samples of the study.
     """
     tests = [(c, recorded[c.name]) for c in study.calibrated if c.observable.is_depth]
     every = [recording for _, recordings in tests for recording in recordings]
-    found = [*_lag(every), *_exact(study, every, [test for c, each in tests if not c.tip for test in each])]
+    found = _exact(study, every, [test for c, each in tests if not c.tip for test in each])
+    if lag := reversal_lag(every):
+        text = "lag of the depth behind the load at corners of its history"
+        found.insert(0, Fact(text, lag.lag, lag.lower, lag.upper, "s", ("controller_lag",)))
     material = study.specification(middle(study), study.conditions[0])
     creeping = creeps(material.specimen.coefficients)
     for name, conditions in study.by_tip(c for c, _ in tests).items():
@@ -54,14 +50,6 @@ def model_free(
     found += replicate_facts.differences({c.name: observed[c.name] for c, _ in tests})
     found += replicate_facts.trend(tests)
     return [fact for fact in found if np.isfinite([fact.estimate, fact.lower, fact.upper]).all()]
-
-
-def _lag(recordings: Sequence[Recording]) -> list[Fact]:
-    found = reversal_lag(recordings)
-    if found is None:
-        return []
-    text = "lag of the depth behind the load at corners of its history"
-    return [Fact(text, found.lag, found.lower, found.upper, "s", ("controller_lag",))]
 
 
 def _exact(study: Study, recordings: Sequence[Recording], own: Sequence[Recording]) -> list[Fact]:

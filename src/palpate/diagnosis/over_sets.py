@@ -14,7 +14,7 @@ from scipy.special import logsumexp
 from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.screen import Screen
 from palpate.inference.explanation import PRIOR_VARIANCE, Fit
-from palpate.inference.posterior import DRAWS, draws_to_first_order, posterior_draws
+from palpate.inference.posterior import DRAWS, draws_to_first_order
 
 LIKELY = 0.01  # probability of a set from which on its posterior is more than one to first order
 
@@ -24,15 +24,6 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
 
     Sets that were not fitted count to first order from the smaller set by which they were estimated. Those that were
     estimated by an exchange of mechanisms lie beside fitted ones that hold most of the probability, and are left out.
-
-    Parameters
-    ----------
-    found
-        The sets with their probabilities.
-    screen
-        Effects of the mechanisms.
-    rng
-        Source of the draws.
     """
     parts = []
     for members, probability in found.probabilities().items():
@@ -40,8 +31,8 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
         if not count or found.is_exchanged(members):
             continue
         if members in found.fitted:
-            fit = found.fitted[members].fit
-            draws = posterior_draws(fit) if probability >= LIKELY else draws_to_first_order(fit, rng)
+            fitted = found.fitted[members]
+            draws = fitted.draws if probability >= LIKELY else draws_to_first_order(fitted.fit, rng)
         else:
             smaller, _ = found.estimated[members]
             (key,) = members - smaller
