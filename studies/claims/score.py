@@ -41,7 +41,10 @@ def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any
     sizes, strong = planted(case, smallest)
     acting = {key for key, size in sizes.items() if size > smallest}
     alike = {
-        other for key in sizes for other in MECHANISMS if {key, *MECHANISMS[key].includes} & {other, *_included(other)}
+        other
+        for key in sizes
+        for other, mechanism in MECHANISMS.items()
+        if {key, *MECHANISMS[key].includes} & {other, *mechanism.includes}
     }
     named, candidates = set(stated["named"]), [set(each) for each in stated["candidates"]]
     held, held_over_all = (
@@ -223,7 +226,3 @@ def class_scores(table: pd.DataFrame) -> pd.DataFrame:
 
 def _intervals(stated: Mapping[str, Mapping[str, float]]) -> list[tuple[str, float, float]]:
     return [(name, each["lower"], each["upper"]) for name, each in stated.items()]
-
-
-def _included(key: str) -> tuple[str, ...]:
-    return MECHANISMS[key].includes

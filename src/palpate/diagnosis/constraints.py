@@ -155,8 +155,7 @@ class ExactLaws:
 
     def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
         self._study, self._recorded = study, recorded
-        material = study.specification(middle(study), study.conditions[0])
-        self._creeps = creeps(material.specimen.coefficients)
+        self._creeps = is_creeping(study)
         self._solid: dict[str, Recording] = {}
 
     def beside(self, base: Fit) -> list[AmplitudeConstraint]:
@@ -183,6 +182,11 @@ class ExactLaws:
 
     def _alone(self, name: str) -> list[Recording]:
         return [self._solid[name]] if name in self._solid else []
+
+
+def is_creeping(study: Study) -> bool:
+    """Return whether the law of a study creeps."""
+    return creeps(study.specification(middle(study), study.conditions[0]).specimen.coefficients)
 
 
 def undisturbed(base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:

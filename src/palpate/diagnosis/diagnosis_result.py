@@ -147,15 +147,6 @@ def over_all_sets(diagnosis: DiagnosisOutcome, screen: Screen, rng: np.random.Ge
     return {each.name: interval(each.physical(column)) for each, column in zip(free, draws.T, strict=True)}
 
 
-def _pattern(
-    study: Study, base: Candidate, residuals: Residuals, location: Sequence[Mapping[str, Any]], screen: Screen
-) -> str | None:
-    """Return what the residual of a rejected base model follows where no single part is significant."""
-    if base.p_value >= study.diagnosis.significance or any(row["q_value"] < CERTAIN for row in location):
-        return None
-    return residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})[0]
-
-
 def _next_test(
     study: Study, diagnosis: DiagnosisOutcome, of_base: np.ndarray, keys: Iterable[str]
 ) -> dict[str, Any] | None:
@@ -207,7 +198,9 @@ def to_mapping(
     base = diagnosis.base
     best, accepted = diagnosis.best.fit, diagnosis.accepted
     residuals = Residuals.of(base.fit, study.diagnosis.tolerance)
-    location = residuals.located()
+    location, pattern = residuals.located(), None
+    if base.p_value < study.diagnosis.significance and all(row["q_value"] >= CERTAIN for row in location):
+        pattern, _ = residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise
     of_base = draws_to_first_order(base.fit, rng) if accepted else base.draws
@@ -218,7 +211,7 @@ def to_mapping(
         "law_within_tolerance": diagnosis.law_within_tolerance,
         "p_value": base.p_value,
         "location": location,
-        "pattern": _pattern(study, base, residuals, location, screen),
+        "pattern": pattern,
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
         "inclusion": diagnosis.inclusion,

@@ -70,14 +70,10 @@ class Residuals:
         return self.left.T @ self.fit.residual
 
     def weighted(self, weights: np.ndarray) -> tuple[float, float]:
-        """Return the weighted sum of recorded less simulated depths, and the probability that it is noise.
+        """Return the sum of recorded less simulated depths by weights (n_all,), and the probability that it is noise.
 
         The most likely effect of the sites is left out where their scatter is assumed, see `Fit.by_sites`.
         Student's distribution allows for a noise that is estimated, see `palpate.diagnosis.estimated_noise`.
-
-        Parameters
-        ----------
-        weights : ndarray, shape (n_all,)
         """
         weights = weights - self.fit.by_sites.T @ weights
         value, variance = float(weights @ self.residual), float(weights @ self.covariance @ weights)

@@ -15,11 +15,9 @@ from indentation_files.reversal_lag import reversal_lag
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
-from palpate.diagnosis.constraints import law_of_reference, laws_of
+from palpate.diagnosis.constraints import is_creeping, law_of_reference, laws_of
 from palpate.diagnosis.fact import Fact
-from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS
-from palpate.solver.study_scale import middle
 
 TITLES = {
     "thermal_drift": "rate of the depth in holds at low load, creep and recovery included",
@@ -36,16 +34,15 @@ def model_free(
     """
     tests = [(c, recorded[c.name]) for c in study.calibrated if c.observable.is_depth]
     every = [recording for _, recordings in tests for recording in recordings]
-    found = _exact(study, every, [test for c, each in tests if not c.tip for test in each])
+    found = []
     if lag := reversal_lag(every):
         text = "lag of the depth behind the load at corners of its history"
-        found.insert(0, Fact(text, lag.lag, lag.lower, lag.upper, "s", ("controller_lag",)))
-    material = study.specification(middle(study), study.conditions[0])
-    creeping = creeps(material.specimen.coefficients)
+        found.append(Fact(text, lag.lag, lag.lower, lag.upper, "s", ("controller_lag",)))
+    found += _exact(study, every, [test for c, each in tests if not c.tip for test in each])
     for name, conditions in study.by_tip(c for c, _ in tests).items():
         if study.tip_of(conditions[0]).sharp:
             alike = [(c, recorded[c.name]) for c in conditions]
-            facts = scaling_facts.facts(alike, study.calibration.site_scatter, creeping)
+            facts = scaling_facts.facts(alike, study.calibration.site_scatter, is_creeping(study))
             found += [fact.under_tip(name) for fact in facts]
     found += replicate_facts.differences({c.name: observed[c.name] for c, _ in tests})
     found += replicate_facts.trend(tests)

@@ -237,8 +237,7 @@ def _simulated(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
     problem = fit.problem
     places = screened_places(problem, key)
     outcomes = problem.model((key,)).curves([np.append(fit.z, place) for place in places])
-    good = [number for number, curves in enumerate(outcomes) if not isinstance(curves, str)]
-    if not good:
+    good = [not isinstance(curves, str) for curves in outcomes]
+    if not any(good):
         raise PalpateError(str(outcomes[0]))
-    curves = [curve for curve in outcomes if not isinstance(curve, str)]
-    return places[good], np.array([problem.stacked(curve) - fit.curve for curve in curves])
+    return places[good], np.array([problem.stacked(each) - fit.curve for each in outcomes if not isinstance(each, str)])

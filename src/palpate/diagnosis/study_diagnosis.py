@@ -100,6 +100,5 @@ def diagnosed(
     laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.tip_of(c).shape != "sphere"]
-    measured = {name: pressed[name] for name in following if name in pressed}
-    content["zero_points"] = zero_points(measured, laws)
+    content["zero_points"] = zero_points({name: pressed[name] for name in following if name in pressed}, laws)
     return content | {"sentence": sentence(content)}, curves
