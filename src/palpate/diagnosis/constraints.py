@@ -30,13 +30,14 @@ from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.explanation import Fit
 from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
 from palpate.solver.simulation import simulate_batch
 from palpate.solver.study_scale import middle
 from palpate.study.area_function import AreaFunction
 
+DRIFT, FRAME = ("thermal_drift", "rate"), ("frame_compliance", "compliance")  # amplitudes that exact laws give
 MOST_POINTS = 400  # samples of a simulation that stands for a recording
 OF_HOLDS = (Assumption.ALL_CREEP_IS_KNOWN, Assumption.STEADY_DRIFT)
 OF_TOPS = (Assumption.UNIFORM, Assumption.RECORDED_LOAD_ACTS, Assumption.ONE_COMPLIANCE)
@@ -74,11 +75,7 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
         source = f"no faster than late in holds, {len(fastest)}"
-        laws.append(
-            AmplitudeConstraint(
-                "thermal_drift", "rate", rate, -np.inf, upper, source, breaking(Assumption.STEADY_DRIFT)
-            )
-        )
+        laws.append(AmplitudeConstraint(*DRIFT, rate, -np.inf, upper, source, breaking(Assumption.STEADY_DRIFT)))
     return laws + [law for law in (_less_creep(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
 
@@ -105,9 +102,8 @@ def _drift_in_holds(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
     if not drifts:
         return None
     rate, lower, upper = np.mean(drifts, axis=0).tolist()
-    return AmplitudeConstraint(
-        "thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", breaking(*OF_HOLDS)
-    )
+    source = f"holds at low load, {len(drifts)}"
+    return AmplitudeConstraint(*DRIFT, rate, lower, upper, source, breaking(*OF_HOLDS))
 
 
 def _frame_by_tops(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
@@ -141,7 +137,7 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Ampl
 
 def _law_of(frame: FrameCompliance, measured_by: str, assumed: Sequence[Assumption]) -> AmplitudeConstraint:
     interval, source = (frame.compliance, frame.lower, frame.upper), f"{measured_by}, {frame.unloadings}"
-    return AmplitudeConstraint("frame_compliance", "compliance", *interval, source, breaking(*assumed))
+    return AmplitudeConstraint(*FRAME, *interval, source, breaking(*assumed))
 
 
 class ExactLaws:
@@ -220,7 +216,7 @@ def zero_points(
     compliance subtracted; they cover the law's interval. Differences between tests on one material are free of all
     that.
     """
-    shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
+    shown = [law for law in laws if law.key == FRAME[0] and law.lower * law.upper > 0.0]
     shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
     rows = []
     for condition, tests in recordings.items():
@@ -252,10 +248,9 @@ def _amplitude(fit: Fit, law: AmplitudeConstraint) -> tuple[float, float]:
     if law.key not in fit.explanation:
         return 0.0, MECHANISMS[law.key].background
     problem, z = fit.problem, fit.z
-    white = fit.whiten(fit.tangent)
-    covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
+    change, covariance = fit.joined(np.empty((len(fit.curve), 0)), np.empty(0))
     if fit.constraints:
-        z = z + covariance @ white.T @ fit.white
+        z = z + change
     value, slope = problem.quantity(fit.explanation, z, law.quantity)
     place = problem.place(fit.explanation, law.quantity)
     return value, slope * float(np.sqrt(covariance[place, place]))

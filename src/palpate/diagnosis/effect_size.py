@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import norm
 
 from palpate.diagnosis.parts import mean_changes
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.explanation import Fit
 
 
 def acts(fit: Fit, key: str, smallest: float) -> float:
@@ -44,10 +44,8 @@ def would_act(fit: Fit, key: str, smallest: float) -> float:
     problem, amplitudes, largest, deviation = fit.problem, fit.problem.typical(key), 0.0, 0.0
     columns = np.column_stack([problem.unit_effects(amplitude) for amplitude in amplitudes])
     sizes = np.array([problem.typical_size(amplitude) for amplitude in amplitudes])
-    design = fit.whiten(np.column_stack([fit.tangent, columns]))
-    prior = np.append(np.full(len(fit.z), 1.0 / PRIOR_VARIANCE), 1.0 / sizes**2)
-    covariance = np.linalg.inv(design.T @ design + np.diag(prior))
-    best, spread = (covariance @ design.T @ fit.white)[len(fit.z) :], covariance[len(fit.z) :, len(fit.z) :]
+    change, covariance = fit.joined(columns, sizes**2)
+    best, spread = change[len(fit.z) :], covariance[len(fit.z) :, len(fit.z) :]
     for weights in mean_changes(problem, fit.curve):
         along = weights @ columns
         size = abs(float(along @ best))

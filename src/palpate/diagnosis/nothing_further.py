@@ -14,7 +14,7 @@ from palpate.mechanisms import MECHANISMS
 
 SHOWN = 0.01  # inclusion from which on a hidden mechanism is listed
 MOST = 5  # mechanisms that are listed
-VAGUE = 1e-6  # precision of a coefficient beforehand: none to speak of
+VAGUE = 1e6  # variance of a coefficient beforehand: next to nothing is known of it
 
 
 def nothing_further(diagnosis: DiagnosisOutcome, screen: Screen) -> dict[str, Any]:
@@ -64,14 +64,11 @@ def may_cover(fit: Fit, screen: Screen) -> dict[str, float]:
     To first order the effect at three quarters of its range has a coefficient, which joins the parameters of the fit at
     the likeliest size of the law's discrepancy; the end of its 95 % interval that is farther from zero counts.
     """
-    found: dict[str, float] = {}
-    acting, white = {MECHANISMS[key].family for key in fit.explanation}, fit.whiten(fit.tangent)
-    prior = np.append(np.full(len(fit.z), 1.0 / DENSITY_ONE), VAGUE)
+    found, acting = dict[str, float](), {MECHANISMS[key].family for key in fit.explanation}
     for key in [key for key in screen.keys if MECHANISMS[key].family not in acting]:
         effect = screen.shown(key)
-        design = np.column_stack([white, fit.whiten(effect)])
-        covariance = np.linalg.inv(design.T @ design + np.diag(prior))
-        end = abs(float((covariance @ design.T @ fit.white)[-1])) + NORMAL_95 * float(np.sqrt(covariance[-1, -1]))
+        change, covariance = fit.joined(effect, VAGUE, DENSITY_ONE)
+        end = abs(float(change[-1])) + NORMAL_95 * float(np.sqrt(covariance[-1, -1]))
         family = MECHANISMS[key].family
         found[family] = max(found.get(family, 0.0), end * float(np.abs(effect).max()))
     return found

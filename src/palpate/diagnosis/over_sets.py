@@ -13,7 +13,7 @@ from scipy.special import logsumexp
 
 from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.screen import Screen
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.explanation import Fit
 from palpate.inference.posterior import DRAWS, draws_to_first_order
 
 LIKELY = 0.01  # probability of a set from which on its posterior is more than one to first order
@@ -48,15 +48,12 @@ def _joined(fit: Fit, screen: Screen, key: str, rng: np.random.Generator) -> np.
     The effects that were screened are taken in proportion to a coefficient, as for the evidence, at the likeliest size
     of the law's discrepancy.
     """
-    tangent, white, posteriors = fit.whiten(fit.tangent), fit.white, list[tuple[float, np.ndarray, np.ndarray]]()
+    posteriors = []
     for effect, variances in zip(screen.effects[key], screen.prior_variances(fit, key), strict=True):
-        design = np.column_stack([tangent, fit.whiten(effect)])
-        information, along = design.T @ design, design.T @ white
         for weight, variance in variances:
-            prior = np.append(np.full(len(fit.z), 1.0 / PRIOR_VARIANCE), 1.0 / variance)
-            covariance = np.linalg.inv(information + np.diag(prior))
-            best = covariance @ along
-            evidence = 0.5 * (along @ best + np.linalg.slogdet(covariance)[1] + np.log(prior).sum())
+            best, covariance = fit.joined(effect, variance)
+            gain = best @ np.linalg.solve(covariance, best)
+            evidence = 0.5 * (gain + np.linalg.slogdet(covariance)[1] - np.log(variance))
             posteriors.append((weight + evidence, best, covariance))
     weights = np.array([weight for weight, _, _ in posteriors])
     counts = rng.multinomial(DRAWS, np.exp(weights - logsumexp(weights)))

@@ -194,13 +194,12 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
         start[where] = [problem.coordinates(explanation).free[k].scaled(0.0) for k in where]
         amplitudes = Amplitude.of(key, problem.amplitudes(explanation, start)[key])
         columns = [problem.unit_effects(a) * problem.quantity(explanation, start, str(a))[1] for a in amplitudes]
-        design = fit.whiten(np.column_stack([fit.tangent, *columns]))
-        precision = design.T @ design + np.eye(design.shape[1]) / PRIOR_VARIANCE
-        change = np.linalg.solve(precision, design.T @ fit.white)
+        change, covariance = fit.joined(np.column_stack(columns), np.full(len(columns), PRIOR_VARIANCE))
         none = np.append(fit.z, start[material:])
         start[where] += change[len(fit.z) :]
         moved = fit.z + np.clip(change[: len(fit.z)], -0.5, 0.5)
-        found.append((-float(change @ design.T @ fit.white), np.append(moved, start[material:])))
+        gain = float(change @ np.linalg.solve(covariance, change))
+        found.append((-gain, np.append(moved, start[material:])))
     return [start for _, start in sorted(found, key=lambda each: each[0])[:STARTS]] + [none]
 
 

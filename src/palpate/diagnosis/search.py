@@ -34,8 +34,6 @@ from palpate.mechanisms import MECHANISMS
 SPREAD = np.linspace(0.0, 1.0, 13)  # places in the range of a parameter, of which the likeliest is refined
 CLOSE = {"xatol": 0.01}  # of the range
 
-LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
-
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -109,7 +107,7 @@ class Search:
         keys: Sequence[str],
         rng: np.random.Generator,
         calibrated: Mapping[str, float] | None = None,
-        laws: LawsBeside | None = None,
+        laws: Callable[[Fit], Sequence[AmplitudeConstraint]] | None = None,
         policy: SearchPolicy | None = None,
     ):
         self.study = study
