@@ -52,16 +52,12 @@ def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
     Each is a basis (n_all, k) of directions of the residual in which an effect might be left, orthonormal in the
     whitened space and off the tangent space.
     """
-    problem = fit.problem
-    tangent = fit.tangent_space
-    found = []
-    for key, effects in screen.effects.items():
-        if key in fit.explanation:
-            continue
-        found += [orthonormal(column[:, None], tangent, LEAST) for column in fit.whiten(effects.T).T]
+    columns = [columns for _, _, columns in polynomials(fit.problem, segments)]
+    for key in [key for key in screen.keys if key not in fit.explanation]:
+        columns += [*screen.effects[key][:, :, None]]
         if MECHANISMS[key].varies:
-            found.append(orthonormal(fit.whiten(problem.effects_by_test(key)), tangent, LEAST))
-    found += [orthonormal(fit.whiten(columns), tangent, LEAST) for _, _, columns in polynomials(problem, segments)]
+            columns.append(fit.problem.effects_by_test(key))
+    found = [orthonormal(fit.whiten(each), fit.tangent_space, LEAST) for each in columns]
     return [basis for basis in found if basis.shape[1]]
 
 

@@ -73,12 +73,7 @@ def recording_values(
 
 
 def in_mean(
-    study: Study,
-    fit: Fit,
-    condition: Condition,
-    curve: np.ndarray,
-    item: Observation,
-    part: Condition | None = None,
+    study: Study, fit: Fit, condition: Condition, curve: np.ndarray, item: Observation, part: Condition | None = None
 ) -> np.ndarray:
     """Return the effect of departures from mean values on the mean of a condition's recordings (n_points,) [nm].
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from indentation_files.recording import Recording
 from palpate.base import small_samples
+from palpate.classical.frame import FEWEST, SPAN
 from palpate.configuration.condition import Condition
 from palpate.diagnosis.fact import Fact
 from palpate.mechanisms import Assumption, breaking
@@ -31,8 +32,6 @@ OF_LEVELS = ("zero_offset", *INSTRUMENT, *LENGTHS)
 OF_TOPS = ("frame_compliance", *breaking(Assumption.UNIFORM, Assumption.ONE_COMPLIANCE, Assumption.NO_DRIFT))
 ALIKE = 0.02  # of the largest load, and of the duration, by which histories of one shape differ; chosen
 APART = 1.5  # least ratio of loads that are compared
-SPAN = 3.0  # the same for a frame, as in `palpate.classical.frame`
-FEWEST = 4  # unloadings of a frame: the same
 GRID = 200  # times at which histories are compared, and loads at which a rise is taken
 LOADED = 0.3  # of the largest load, from which depth / sqrt(load) is averaged
 RISE = 0.1  # of the largest load, from which a slope is taken
