@@ -62,19 +62,13 @@ def flat_amplitudes(fit: Fit, z: np.ndarray) -> dict[str, float]:
     return {f"{key}.{name}": value for key, values in found.items() for name, value in values.items()}
 
 
-def summary(values: np.ndarray, best: float) -> dict[str, float]:
-    """Return the median of draws, and the interval that holds 95 % of them and the `best` value.
+def summary(values: np.ndarray, *best: float) -> dict[str, float]:
+    """Return the median of draws, and the interval that holds 95 % of them and the `best` value, if there is one.
 
     A value at a limit lies outside of the quantiles of draws within it.
     """
-    found = interval(values)
-    return {**found, "lower": min(found["lower"], best), "upper": max(found["upper"], best)}
-
-
-def interval(values: np.ndarray) -> dict[str, float]:
-    """Return the median of draws, and the interval that holds 95 % of them."""
-    lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5])
-    return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
+    lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5]).tolist()
+    return {"estimate": estimate, "lower": min([lower, *best]), "upper": max([upper, *best])}
 
 
 def curves(
@@ -144,7 +138,7 @@ def over_all_sets(diagnosis: DiagnosisOutcome, screen: Screen, rng: np.random.Ge
     """Return median and 95 % interval of each free material parameter, whichever mechanisms act."""
     draws = draws_over_sets(diagnosis.sets, screen, rng)
     free = diagnosis.base.fit.coordinates.free
-    return {each.name: interval(each.physical(column)) for each, column in zip(free, draws.T, strict=True)}
+    return {each.name: summary(each.physical(column)) for each, column in zip(free, draws.T, strict=True)}
 
 
 def _next_test(
