@@ -14,7 +14,8 @@ from scipy.stats import chi2
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import observations
 from palpate.diagnosis.candidates import candidates
-from palpate.diagnosis.detect import count_of_filters
+from palpate.diagnosis.parts import in_segments
+from palpate.diagnosis.screen import screened_places
 from palpate.diagnosis.study_diagnosis import run_diagnosis
 from palpate.errors import PalpateError
 from palpate.inference.covariance import errors, noise_of
@@ -22,6 +23,7 @@ from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.solver.variation import added_by_instrument
+from palpate.study.prescribed_segments import segments
 from palpate.workflow_support.result_files import read_json
 from studies.blind_trial.cases import Case
 from studies.blind_trial.laboratory import body_depths
@@ -62,8 +64,9 @@ def strength(study: Study, case: Case, folder: Path) -> float:
     for k, white in enumerate(signatures.T):
         others = np.linalg.qr(np.column_stack([fit.tangent_space, np.delete(signatures, k, axis=1)]))[0]
         sizes.append(float(np.linalg.norm(white - others @ (others.T @ white))))
-    limit = np.sqrt(chi2.isf(study.diagnosis.significance / count_of_filters(problem, list(candidates(study))), 1))
-    return min(sizes) / float(limit)
+    count = sum(1 for _ in in_segments(problem, segments))
+    count += sum(len(screened_places(problem, key)) + MECHANISMS[key].varies for key in candidates(study))
+    return min(sizes) / float(np.sqrt(chi2.isf(study.diagnosis.significance / count, 1)))
 
 
 def _effects(study: Study, problem: Problem, case: Case) -> np.ndarray:

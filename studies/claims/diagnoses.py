@@ -12,9 +12,8 @@ from palpate.configuration.study_file import Study
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import material_parameters, mechanism_parameters, over_all_sets
 from palpate.diagnosis.law_class import discrepancy
-from palpate.diagnosis.nothing_further import SHOWN
+from palpate.diagnosis.nothing_further import SHOWN, nothing_further
 from palpate.diagnosis.search import Search
-from palpate.inference.posterior import posterior_draws
 from palpate.inference.problem import Problem
 from palpate.mechanisms import Scale
 from studies.claims.body import KEYS, BodyWithMechanisms
@@ -34,8 +33,7 @@ def diagnosed(case: Case, study: Study) -> dict[str, Any]:
     )
     search = Search(own, problem, KEYS, np.random.default_rng(case.seed))
     found = diagnose(search, lambda line: None)
-    best = (found.accepted[0] if found.accepted else found.base).fit
-    draws = posterior_draws(best)
+    best, draws = found.best.fit, found.best.draws
     law = discrepancy(best) or {}
     named = frozenset(best.explanation)
     return {
@@ -47,7 +45,7 @@ def diagnosed(case: Case, study: Study) -> dict[str, Any]:
         "probability": found.all_sets.get(named, 0.0),
         "inclusion": {key: p for key, p in found.inclusion.items() if p >= SHOWN},
         "family_inclusion": {key: p for key, p in found.family_inclusion.items() if p >= SHOWN},
-        "nothing_further": sum(p for members, p in found.all_sets.items() if members <= named),
+        "nothing_further": nothing_further(found, search.screen)["probability"],
         "material": material_parameters(best, draws, explained=True),
         "over_all_sets": over_all_sets(found, search.screen, np.random.default_rng(case.seed)),
         "amplitudes": mechanism_parameters(best, draws),

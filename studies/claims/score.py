@@ -20,10 +20,10 @@ from scipy.optimize import minimize
 from scipy.special import expit, logit
 from scipy.stats import t as student
 
-from palpate.diagnosis.effect_size import parts
+from palpate.diagnosis.parts import mean_changes
 from palpate.mechanisms import MECHANISMS
 from studies.blind_trial.score import proportion
-from studies.claims.body import KEYS, recorded
+from studies.claims.body import KEYS, Amplitudes, recorded
 from studies.claims.departures import DEPARTURES
 from studies.claims.diagnoses import posed
 from studies.claims.sets import Case, left_by_refit
@@ -38,10 +38,13 @@ FLOOR = 1e-3  # least probability that a score counts
 
 def row(case: Case, stated: Mapping[str, Any], smallest: float) -> dict[str, Any]:
     """Return what one set contributes."""
-    sizes, strong = planted_sizes(case), are_strong(case, smallest)
+    sizes, strong = planted(case, smallest)
     acting = {key for key, size in sizes.items() if size > smallest}
     alike = {
-        other for key in sizes for other in MECHANISMS if {key, *MECHANISMS[key].includes} & {other, *_included(other)}
+        other
+        for key in sizes
+        for other, mechanism in MECHANISMS.items()
+        if {key, *MECHANISMS[key].includes} & {other, *mechanism.includes}
     }
     named, candidates = set(stated["named"]), [set(each) for each in stated["candidates"]]
     held, held_over_all = (
@@ -93,7 +96,7 @@ def inclusions(case: Case, stated: Mapping[str, Any], smallest: float) -> list[d
 
     Those that were planted and are too small are left out, and creep, which may stand in for a law that is not right.
     """
-    sizes, strong, found = planted_sizes(case), are_strong(case, smallest), []
+    (sizes, strong), found = planted(case, smallest), []
     for family in sorted({MECHANISMS[key].family for key in KEYS}):
         of = [size for key, size in sizes.items() if MECHANISMS[key].family == family]
         if (of and max(of) <= smallest) or (family == "creep" and case.kind == "scaling"):
@@ -105,35 +108,28 @@ def inclusions(case: Case, stated: Mapping[str, Any], smallest: float) -> list[d
     return found
 
 
-def planted_sizes(case: Case) -> dict[str, float]:
-    """Return by how much each planted mechanism changes the mean depth of some part of a test [-]."""
-    problem, solid, found = posed(case), burgers(**case.parameters), dict[str, float]()
-    whole = np.concatenate([recorded(solid, each.protocol, case.mechanisms) for each in case.conditions])
-    for key, change in _changes(case).items():
-        found[key] = max(abs(float(weights @ change)) for weights in parts(problem, whole))
-    return found
+def planted(case: Case, smallest: float) -> tuple[dict[str, float], dict[str, bool]]:
+    """Return by how much each planted mechanism changes the mean depth of some part of a test [-], and if it is strong.
 
+    Parameters
+    ----------
+    case
+        The set.
+    smallest
+        Effect that counts as acting, as a share of the depth [-].
+    """
+    solid, sizes, strong = burgers(**case.parameters), dict[str, float](), dict[str, bool]()
 
-def are_strong(case: Case, smallest: float) -> dict[str, bool]:
-    """Return for each planted mechanism whether it is strong."""
-    least = max(smallest, case.misfit)
-    return {
-        key: left_by_refit(case.conditions, case.parameters, change) >= least for key, change in _changes(case).items()
-    }
+    def depths(mechanisms: Amplitudes) -> np.ndarray:
+        return np.concatenate([recorded(solid, each.protocol, mechanisms) for each in case.conditions])
 
-
-def _changes(case: Case) -> dict[str, np.ndarray]:
-    """Return by how much each planted mechanism changes the depths (n_all,) under all conditions [nm]."""
-    solid, found = burgers(**case.parameters), dict[str, np.ndarray]()
+    whole = depths(case.mechanisms)
+    weights = np.array(list(mean_changes(posed(case), whole)))
     for key in case.mechanisms:
-        others = {name: values for name, values in case.mechanisms.items() if name != key}
-        found[key] = np.concatenate(
-            [
-                recorded(solid, each.protocol, case.mechanisms) - recorded(solid, each.protocol, others)
-                for each in case.conditions
-            ]
-        )
-    return found
+        change = whole - depths({other: values for other, values in case.mechanisms.items() if other != key})
+        sizes[key] = float(np.abs(weights @ change).max())
+        strong[key] = left_by_refit(case.conditions, case.parameters, change) >= max(smallest, case.misfit)
+    return sizes, strong
 
 
 def summary(table: pd.DataFrame) -> pd.DataFrame:
@@ -230,7 +226,3 @@ def class_scores(table: pd.DataFrame) -> pd.DataFrame:
 
 def _intervals(stated: Mapping[str, Mapping[str, float]]) -> list[tuple[str, float, float]]:
     return [(name, each["lower"], each["upper"]) for name, each in stated.items()]
-
-
-def _included(key: str) -> tuple[str, ...]:
-    return MECHANISMS[key].includes

@@ -11,13 +11,11 @@ from scipy.linalg import toeplitz
 
 from palpate.data.contrasts import Replicates, contrasts
 from palpate.data.noise_fit import fit_noise
-from palpate.diagnosis.accepted import sufficient_to_identify
 from palpate.diagnosis.detect import examine
-from palpate.diagnosis.diagnose import _complete
+from palpate.diagnosis.diagnose import _complete, sufficient_to_identify
 from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.limits import outside
-from palpate.diagnosis.locate import Residuals
-from palpate.diagnosis.missing_physics import missing_physics
+from palpate.diagnosis.locate import Residuals, missing_physics
 from palpate.inference.covariance import errors, model_covariance, noise_of
 from palpate.mechanisms import MECHANISMS
 from palpate.observables import OBSERVABLES, Quantity

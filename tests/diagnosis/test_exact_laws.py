@@ -10,9 +10,8 @@ from load_cycles import cycles
 from indentation_files.recording import Recording
 from palpate.configuration.condition import Condition
 from palpate.configuration.settings import DiagnosisSettings
-from palpate.diagnosis import exact_constraints
-from palpate.diagnosis.constraints import laws_of
-from palpate.diagnosis.exact_constraints import MOST_POINTS, ExactLaws
+from palpate.diagnosis import constraints
+from palpate.diagnosis.constraints import MOST_POINTS, ExactLaws, laws_of
 from palpate.materials import law_of
 from palpate.study.protocol import trapezoid
 
@@ -44,7 +43,7 @@ def study(law):
 
 
 def test_a_solid_that_does_not_creep_is_not_simulated(monkeypatch):
-    monkeypatch.setattr(exact_constraints, "undisturbed", None)
+    monkeypatch.setattr(constraints, "undisturbed", None)
     (law,) = ExactLaws(study("elastic"), TESTS).beside(BASE)
     assert (law.estimate, law.upper) == pytest.approx((0.58, 0.6), abs=0.03)
 
@@ -52,7 +51,7 @@ def test_a_solid_that_does_not_creep_is_not_simulated(monkeypatch):
 @pytest.mark.parametrize("law", ["nonlinear_burgers", "eyring", "retardation_spectrum"])
 def test_the_creep_of_the_base_model_is_taken_off(law, monkeypatch):
     alone = {"a": Recording(*held_low(0.0, CREEP))}
-    monkeypatch.setattr(exact_constraints, "undisturbed", lambda *_: alone)
+    monkeypatch.setattr(constraints, "undisturbed", lambda *_: alone)
     found = ExactLaws(study(law), TESTS)
     (law,) = found.beside(BASE)
     assert law.estimate == pytest.approx(0.3, abs=0.02)
@@ -62,7 +61,7 @@ def test_the_creep_of_the_base_model_is_taken_off(law, monkeypatch):
 
 
 def test_a_bound_needs_no_simulation(monkeypatch):
-    monkeypatch.setattr(exact_constraints, "undisturbed", None)
+    monkeypatch.setattr(constraints, "undisturbed", None)
     time, load, depth = held_low(0.3, CREEP)
     short = time < 32.0
     tests = {"a": [Recording(time[short], load[short], depth[short])]}
@@ -84,7 +83,7 @@ def test_the_simulation_is_sampled_as_the_recording():
     condition = Condition("a", "calibrate", trapezoid(1.0, 10.0, 5.0, 10.0, points=30))
     time = np.sort(np.random.default_rng(0).uniform(0.0, 26.0, 2000))
     recording = Recording(time, time, time)
-    sampled = exact_constraints._sampled_as(condition, recording).protocol.sample_time
+    sampled = constraints._sampled_as(condition, recording).protocol.sample_time
     assert len(sampled) == MOST_POINTS
     assert np.isin(sampled, time).all()
     assert sampled[-1] <= 25.0

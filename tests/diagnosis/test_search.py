@@ -16,7 +16,6 @@ from palpate.diagnosis.diagnose import _explore
 from palpate.diagnosis.explanations import (
     Explanations,
     acting,
-    family_inclusion,
     inclusion,
     log_prior,
     may_act_together,
@@ -136,7 +135,7 @@ def test_inclusion_sums_over_all_sets_and_families_count_once():
     assert inclusion(sets) == pytest.approx(
         {"thermal_drift": 0.5, "friction": 0.5, "nonsteady_drift": 0.3, "tip_angle": 0.2, "tip_rounding": 0.2}
     )
-    assert family_inclusion(sets) == pytest.approx({"drift": 0.8, "friction": 0.5, "tip": 0.2})
+    assert inclusion(sets, families=True) == pytest.approx({"drift": 0.8, "friction": 0.5, "tip": 0.2})
 
 
 def test_every_mechanism_belongs_to_a_family():

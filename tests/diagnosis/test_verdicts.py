@@ -8,8 +8,7 @@ from closed_forms import TRUTH, ClosedForms, rounded
 from diagnosis_problem import CONDITIONS, RECORD_ONLY, STUDY, fitted, problem, recordings, search_of
 from test_search import named
 
-from palpate.diagnosis.accepted import zero_on_average
-from palpate.diagnosis.diagnose import diagnose
+from palpate.diagnosis.diagnose import diagnose, zero_on_average
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
 from palpate.errors import PalpateError

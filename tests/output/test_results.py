@@ -6,6 +6,7 @@ import pytest
 from results_of import DRIFT, diagnosis, saved
 
 from palpate.base.rounding import interval, percent, rounded, unit_html
+from palpate.diagnosis.summary_text import sentence
 from palpate.output.results.answer import Answer
 from palpate.output.results.calibration import Calibration
 from palpate.output.results.diagnosis import Diagnosis
@@ -100,13 +101,24 @@ def test_every_verdict_has_its_words(tmp_path, verdict, headline, open_):
 
 
 @pytest.mark.parametrize(
-    ("alone", "headline"),
-    [(0.97, "No effect is missing"), (0.8, "No effect is needed"), (0.3, "Friction likely (61 %), not certain")],
+    ("alone", "friction", "headline"),
+    [
+        (0.97, 0.02, "No effect is missing"),
+        (0.8, 0.1, "No effect is needed"),
+        (0.3, 0.61, "An effect is likelier than none, most likely friction (61 %)"),
+        (0.4, 0.25, "An effect is likelier than none, most likely friction (25 %)"),
+    ],
 )
-def test_an_adequate_model_does_not_hide_an_effect_that_is_likelier_than_none(tmp_path, alone, headline):
-    hidden = [{"mechanism": "friction", "probability": 0.61 if alone < 0.5 else 0.1, "parameters": {}}]
+def test_an_adequate_model_does_not_hide_an_effect_that_is_likelier_than_none(tmp_path, alone, friction, headline):
+    """The sentence below the headline follows the same rule."""
+    hidden = [
+        {"mechanism": key, "probability": p, "parameters": {}} for key, p in [("friction", friction), ("skin", 0.01)]
+    ]
     further = {"probability": alone, "hidden": hidden, "may_cover": {}}
-    assert Answer(saved(tmp_path, diagnosis("adequate", nothing_further=further))).headline == headline
+    content = diagnosis("adequate", nothing_further=further)
+    assert Answer(saved(tmp_path, content)).headline == headline
+    more = {"law_within_tolerance": True, "discrepancy": None}
+    assert ("an effect beside it is likelier" in sentence(content | more)) == ("likelier than none" in headline)
 
 
 def test_recordings_that_were_not_diagnosed_say_so(tmp_path):

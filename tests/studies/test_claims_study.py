@@ -134,5 +134,5 @@ def test_an_effect_is_strong_unless_the_parameters_or_what_departs_do_the_same()
         misfit=0.0,
         mechanisms={"thermal_drift": {"rate": 2.0}, "tip_angle": {"half_angle": 71.3}},
     )
-    assert score.are_strong(case, 0.003) == {"thermal_drift": True, "tip_angle": False}
-    assert not any(score.are_strong(replace(case, misfit=1.0), 0.003).values())
+    assert score.planted(case, 0.003)[1] == {"thermal_drift": True, "tip_angle": False}
+    assert not any(score.planted(replace(case, misfit=1.0), 0.003)[1].values())

@@ -9,6 +9,7 @@ from typing import Any
 
 SIGNIFICANT = 2  # digits of the width of an interval that are shown
 ALONE = 3  # digits of a number without an interval
+SKEWED = 5.0  # chosen: ratio of the upper end of an interval and its estimate, above which it spans decades
 SMALL = 1e-3  # below it, numbers are written with a power of ten
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -24,7 +25,11 @@ def rounded(value: float, digits: int = ALONE) -> str:
 
 
 def interval(estimate: float, lower: float, upper: float) -> str:
-    """Return an estimate with its 95 % interval, such as ``3.30 (3.22 to 3.40)``; of a constant the value alone."""
+    """Return an estimate with its 95 % interval, such as ``3.30 (3.22 to 3.40)``; of a constant the value alone.
+
+    The width of the interval decides how many digits are shown. Of one that spans decades each value has its own, as in
+    ``2.7 (0.015 to 110)``: the width is that of its upper end alone.
+    """
     values = (estimate, lower, upper)
     width = upper - lower
     if not all(map(math.isfinite, values)) or width <= 0.0:
@@ -35,7 +40,8 @@ def interval(estimate: float, lower: float, upper: float) -> str:
         inside = interval(*(value / 10.0**power for value in values))
         number, span = inside.split(" ", 1)
         return f"{number} {span} × 10{str(power).translate(RAISED)}"
-    texts = [_to_place(value, _place(width, SIGNIFICANT)) for value in values]
+    over_decades = lower >= 0.0 and upper > SKEWED * estimate > 0.0
+    texts = [_to_place(value, _place(value if over_decades else width, SIGNIFICANT)) for value in values]
     return f"{texts[0]} ({texts[1]} to {texts[2]})"
 
 

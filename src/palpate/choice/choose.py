@@ -26,6 +26,7 @@ from palpate.base.threads import on_one_thread
 from palpate.choice.compared_laws import ComparedLaws
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.study_file import Study
+from palpate.data.measures import root_mean_square
 from palpate.data.study_recordings import check, resampled
 from palpate.draft.guesses import ranges
 from palpate.draft.known_tip import KnownTip
@@ -140,7 +141,7 @@ def _base_fit(laws: ComparedLaws, law: str, report: Callable[[str], None]) -> tu
         own = problem.at_one_load(fit.coordinates.named(fit.z), report)
         laws = replace(laws, observed=own.recorded)
     laws = replace(laws, residual=fit.residual)
-    report(f"{law}: root mean square {_rms(fit.residual):.4g} nm")
+    report(f"{law}: root mean square {root_mean_square(fit.residual):.4g} nm")
     return laws, laws.weighed(fit)
 
 
@@ -153,7 +154,7 @@ def _fitted(laws: ComparedLaws, law: str, base: Fit, loading: float, report: Cal
         report(f"{law} could not be fitted: {error}")
         return Judged(law, None)
     found = Judged(law, fit)
-    report(f"{law}: root mean square {_rms(fit.residual):.4g} nm, log evidence {found.log_evidence:.1f}")
+    report(f"{law}: root mean square {root_mean_square(fit.residual):.4g} nm, log evidence {found.log_evidence:.1f}")
     return found
 
 
@@ -186,7 +187,7 @@ def _row(judged: Judged, probability: float) -> dict[str, Any]:
     if fit is None:
         names = ("log_evidence", "residual_nm", "residual_percent", "held_out_nm")
         return {"law": judged.law, "probability": 0.0, "curves": 0, "parameters": {}} | dict.fromkeys(names)
-    residual = _rms(fit.residual)
+    residual = root_mean_square(fit.residual)
     return {
         "law": judged.law,
         "probability": probability,
@@ -206,7 +207,7 @@ def _held_out(fit: Fit) -> float | None:
         for name, curve in fit.everywhere.items()
         if name not in fit.problem.names and not isinstance(curve, str)
     ]
-    return _rms(np.concatenate(errors)) if errors else None
+    return root_mean_square(np.concatenate(errors)) if errors else None
 
 
 def _parameters(fit: Fit) -> dict[str, dict[str, float]]:
@@ -245,7 +246,3 @@ def _size(judged: Judged) -> int:
 def _curves(fit: Fit) -> int:
     assert isinstance(fit.model, FiniteElements)
     return fit.model.body.spent.curves
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -10,6 +10,11 @@ from palpate.observables.depth import DEPTH
 from palpate.observables.observable import Quantity
 
 
+def root_mean_square(values: np.ndarray) -> float:
+    """Return the root of the mean square of values (n,), in their unit."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
 def mean_square(measured: np.ndarray, simulated: np.ndarray) -> np.ndarray:
     """Objective of the thesis' chapter 5, mean((h_exp - h_sim)^2) over the points, the last axis [nm^2]."""
     return np.mean((simulated - measured) ** 2, axis=-1)
@@ -59,7 +64,7 @@ def error_measures(measured: np.ndarray, simulated: np.ndarray, quantity: Quanti
     """
     error = simulated - measured
     deep = measured > 0.01 * measured.max()
-    rms, mean = float(np.sqrt(np.mean(error**2))), float(np.mean(np.abs(error)))
+    rms, mean = root_mean_square(error), float(np.mean(np.abs(error)))
     found = {
         "rmse_nm": quantity.nm * rms,
         "r2": float(1.0 - np.sum(error**2) / np.sum((measured - measured.mean()) ** 2)),

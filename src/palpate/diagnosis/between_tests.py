@@ -28,14 +28,17 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     Conditions with a single recording do not count, nor those in which an amplitude shows nothing; with fewer than two
     others there is nothing to compare, and no p-value.
     """
-    conditions = [k for k in fit.problem.repeated if fit.own and _columns(fit, k).any(axis=0).all()]
+    problem = fit.problem
+    if not fit.own:
+        return {}
+    columns = problem.split(np.column_stack([problem.unit_effects(amplitude) for amplitude in fit.own]))
+    conditions = [k for k in problem.repeated if columns[problem.names[k]].any(axis=0).all()]
     if len(conditions) < 2:
         return {}
-    estimators, variances, values = zip(*(_values_of_test(fit, k) for k in conditions), strict=True)
-    ends = np.cumsum([len(fit.problem.observed[name].time) for name in fit.problem.names])
-    of = np.concatenate(
-        [np.arange(ends[k] - estimator.shape[1], ends[k]) for k, estimator in zip(conditions, estimators, strict=True)]
-    )
+    of_tests = (_values_of_test(fit, k, columns[problem.names[k]]) for k in conditions)
+    estimators, variances, values = zip(*of_tests, strict=True)
+    places = problem.split(np.arange(len(fit.curve)))
+    of = np.concatenate([places[problem.names[k]] for k in conditions])
     simulated = fit.errors.of_simulation[np.ix_(of, of)]
     found = {}
     for place, amplitude in enumerate(fit.own):
@@ -45,18 +48,14 @@ def p_between_tests(fit: Fit, rng: np.random.Generator) -> dict[str, float]:
     return found
 
 
-def _values_of_test(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the values' departures from their means in the recordings of a condition.
+def _values_of_test(fit: Fit, number: int, design: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the values (k, r) in the recordings of a condition, about their means; a unit adds to the design (n, k).
 
-    Returns
-    -------
-    estimator, variances, values : ndarray, shapes (k, n), (k,) and (k, r)
-        The generalised-least-squares matrix that maps depths to values; the variances of the values from the noise of a
-        recording without the scatter of its own amplitudes; and the values.
+    Before them stand the generalised-least-squares matrix (k, n) that maps depths to values, and their variances (k,)
+    from the noise of a recording without the scatter of its own amplitudes.
     """
     noise, own = fit.errors.noise, [str(amplitude) for amplitude in fit.own]
     rest = {name: part for name, part in fit.errors.components[number].items() if name not in own}
-    design = _columns(fit, number)
     weighed = np.linalg.solve(noise.matrix(number, rest), design)
     spread = np.linalg.inv(design.T @ weighed)
     estimator = spread @ weighed.T
@@ -65,25 +64,19 @@ def _values_of_test(fit: Fit, number: int) -> tuple[np.ndarray, np.ndarray, np.n
     return estimator, np.diag(spread), estimator @ departures.T
 
 
-def _columns(fit: Fit, number: int) -> np.ndarray:
-    """Return what one unit of each amplitude adds (n, k) [nm] under a condition."""
-    condition = fit.problem.conditions[number]
-    return np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
-
-
 def p_of_means(rows: list[np.ndarray], noise: np.ndarray, shared: np.ndarray, rng: np.random.Generator) -> float:
     """Return the p-value of the means of `rows` differing no more than replicates and the simulation's error explain.
 
     Parameters
     ----------
-    rng
-        Source of the draws.
     rows : sequence of ndarray, shape (r,)
         Values of each test's recordings.
     noise : ndarray, shape (c,)
         Variance with which a recording of each test gives its value.
     shared : ndarray, shape (c, c)
         Covariance of what all recordings of a test have in common.
+    rng
+        Source of the draws.
     """
     counts = np.array([len(row) for row in rows])
     means = np.array([row.mean() for row in rows])

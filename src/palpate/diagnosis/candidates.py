@@ -30,35 +30,29 @@ def candidates(study: Study) -> dict[str, Mechanism]:
         When the study names a mechanism that does not exist or, beside a stated law, cannot act, a range of a quantity
         that is not searched, or too few draws.
     """
+    found, place = {}, "diagnosis.mechanisms"
     with located_in(study.file):
-        return _candidates(study)
-
-
-def _candidates(study: Study) -> dict[str, Mechanism]:
-    wanted = considered(study.diagnosis.mechanisms, "diagnosis.mechanisms", study.tips)
-    tests = {(condition.tip, condition.protocol.control): condition for condition in study.calibrated}
-    specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
-    _check_draws(study.diagnosis.bootstrap, study.diagnosis.significance)
-    _check_ranges(scale, list(wanted))
-    for key in scale.stated:
-        _check_ends(study, scale, MECHANISMS[key])
-    found = {}
-    for key, mechanism in wanted.items():
-        ranges = mechanism.searched(scale).items()
-        some = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(SOME)) for name, r in ranges}
-        values = dict(mechanism.from_search(some, scale))
-        try:
-            if not any(mechanism.acts_under(specification.tip) for specification in specifications):
-                raise InputError(
-                    f"{key}: no calibrate condition has its tip", remedy="leave it out", place="diagnosis.mechanisms"
-                )
-            for specification in specifications:
-                applied_to_body(replace(specification, mechanisms={key: values}))
-        except InputError:
-            if study.diagnosis.mechanisms and not study.family:
-                raise
-            continue
-        found[key] = mechanism
+        wanted = considered(study.diagnosis.mechanisms, place, study.tips)
+        tests = {(condition.tip, condition.protocol.control): condition for condition in study.calibrated}
+        specifications, scale = [study.specification(study.cells[0], test) for test in tests.values()], scale_of(study)
+        _check_draws(study.diagnosis.bootstrap, study.diagnosis.significance)
+        _check_ranges(scale, list(wanted))
+        for key in scale.stated:
+            _check_ends(study, scale, MECHANISMS[key])
+        for key, mechanism in wanted.items():
+            ranges = mechanism.searched(scale).items()
+            some = {name: float(Coordinate.of_amplitude(mechanism, name, r).physical(SOME)) for name, r in ranges}
+            values = dict(mechanism.from_search(some, scale))
+            try:
+                if not any(mechanism.acts_under(specification.tip) for specification in specifications):
+                    raise InputError(f"{key}: no calibrate condition has its tip", remedy="leave it out", place=place)
+                for specification in specifications:
+                    applied_to_body(replace(specification, mechanisms={key: values}))
+            except InputError:
+                if study.diagnosis.mechanisms and not study.family:
+                    raise
+                continue
+            found[key] = mechanism
     return found
 
 

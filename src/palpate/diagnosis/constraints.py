@@ -1,10 +1,14 @@
 """Amplitudes that exact laws give without any model of the tip, and whether an explanation agrees with them.
 
 A hold at low load shows the drift. Unloadings from several loads within a test, or the stiffness measured by an
-oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. For the first two,
-the contribution of creep is subtracted. A hold at any load bounds the drift, because creep only adds to the depth. Laws
-are data beside the curves (`palpate.inference.amplitude_constraint`) as long as the two agree: an explanation whose
-amplitude from the curves alone lies outside both intervals is rejected, however well it fits.
+oscillation while the load grows, show the frame; so does one unloading of a solid of known modulus. A hold at any load
+bounds the drift, because creep only adds to the depth.
+
+Creep resembles drift in a hold at low load, and a compliant frame at the top of an unloading. So the first two laws are
+applied to the base model's curves as if these had been recorded, and what they give there is subtracted.
+
+Laws are data beside the curves (`palpate.inference.amplitude_constraint`) as long as the two agree: an explanation
+whose amplitude from the curves alone lies outside both intervals is rejected, however well it fits.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -21,13 +26,19 @@ from indentation_files.sharp_origin import sharp_origin
 from indentation_files.survey import Survey, survey
 from palpate.classical.frame import FrameCompliance, frame_by_oscillation, frame_of
 from palpate.classical.reference_sample import ReferenceSample, frame_of_reference
+from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
+from palpate.inference.explanation import Fit
+from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS, Assumption, breaking
+from palpate.solver.simulation import simulate_batch
+from palpate.solver.study_scale import middle
 from palpate.study.area_function import AreaFunction
 
+DRIFT, FRAME = ("thermal_drift", "rate"), ("frame_compliance", "compliance")  # amplitudes that exact laws give
+MOST_POINTS = 400  # samples of a simulation that stands for a recording
 OF_HOLDS = (Assumption.ALL_CREEP_IS_KNOWN, Assumption.STEADY_DRIFT)
 OF_TOPS = (Assumption.UNIFORM, Assumption.RECORDED_LOAD_ACTS, Assumption.ONE_COMPLIANCE)
 OF_OSCILLATION = (Assumption.UNIFORM, Assumption.ONE_COMPLIANCE)
@@ -52,7 +63,7 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     Parameters
     ----------
     solid
-        For a solid that creeps: what would be recorded without any effect, see `palpate.diagnosis.exact_constraints`.
+        For a solid that creeps: what would be recorded without any effect, see `undisturbed`.
         The apparent drift and compliance of these curves are subtracted, and widen the intervals by as much on both
         sides, since they are known no better than the material; where these curves give none, the laws do not apply.
     """
@@ -64,11 +75,7 @@ def laws_of(recordings: Iterable[Recording], solid: Iterable[Recording] | None =
     elif fastest := [found.fastest for found in seen if found.fastest]:
         rate, upper = np.mean(fastest, axis=0).tolist()
         source = f"no faster than late in holds, {len(fastest)}"
-        laws.append(
-            AmplitudeConstraint(
-                "thermal_drift", "rate", rate, -np.inf, upper, source, breaking(Assumption.STEADY_DRIFT)
-            )
-        )
+        laws.append(AmplitudeConstraint(*DRIFT, rate, -np.inf, upper, source, breaking(Assumption.STEADY_DRIFT)))
     return laws + [law for law in (_less_creep(_frame_by_tops, seen, alone), _frame_by_oscillation(seen)) if law]
 
 
@@ -95,9 +102,8 @@ def _drift_in_holds(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
     if not drifts:
         return None
     rate, lower, upper = np.mean(drifts, axis=0).tolist()
-    return AmplitudeConstraint(
-        "thermal_drift", "rate", rate, lower, upper, f"holds at low load, {len(drifts)}", breaking(*OF_HOLDS)
-    )
+    source = f"holds at low load, {len(drifts)}"
+    return AmplitudeConstraint(*DRIFT, rate, lower, upper, source, breaking(*OF_HOLDS))
 
 
 def _frame_by_tops(seen: Sequence[Survey]) -> AmplitudeConstraint | None:
@@ -131,7 +137,73 @@ def law_of_reference(recordings: Iterable[Recording], study: Study) -> list[Ampl
 
 def _law_of(frame: FrameCompliance, measured_by: str, assumed: Sequence[Assumption]) -> AmplitudeConstraint:
     interval, source = (frame.compliance, frame.lower, frame.upper), f"{measured_by}, {frame.unloadings}"
-    return AmplitudeConstraint("frame_compliance", "compliance", *interval, source, breaking(*assumed))
+    return AmplitudeConstraint(*FRAME, *interval, source, breaking(*assumed))
+
+
+class ExactLaws:
+    """Amplitudes that exact laws give for one set of recordings, less the contribution of creep.
+
+    Parameters
+    ----------
+    recorded
+        Recordings of every condition under load control; under displacement control these laws do not apply.
+    """
+
+    def __init__(self, study: Study, recorded: Mapping[str, Sequence[Recording]]):
+        self._study, self._recorded = study, recorded
+        self._creeps = is_creeping(study)
+        self._solid: dict[str, Recording] = {}
+
+    def beside(self, base: Fit) -> list[AmplitudeConstraint]:
+        """Return the amplitudes from all recordings that take part in a fit of the base model."""
+        names = [condition.name for condition in base.problem.conditions if condition.name in self._recorded]
+        if not names:
+            return []
+        every = [recording for name in names for recording in self._recorded[name]]
+        found = laws_of(every)
+        if self._creeps and any(np.isfinite(law.lower) for law in found):
+            self._solid = undisturbed(base, self._recorded)
+            alone = [self._alone(name) * len(self._recorded[name]) for name in names]
+            found = laws_of(every, chain.from_iterable(alone))
+        with_own = [each.name for each in base.problem.conditions if each.name in names and not each.tip]
+        own = [recording for name in with_own for recording in self._recorded[name]]
+        return [*found, *law_of_reference(own, self._study)]
+
+    def of_each(self) -> dict[str, list[list[AmplitudeConstraint]]]:
+        """Return the amplitudes from each single recording, by condition; call `beside` first."""
+        return {
+            name: [laws_of([test], self._alone(name) if self._creeps else None) for test in tests]
+            for name, tests in self._recorded.items()
+        }
+
+    def _alone(self, name: str) -> list[Recording]:
+        return [self._solid[name]] if name in self._solid else []
+
+
+def is_creeping(study: Study) -> bool:
+    """Return whether the law of a study creeps."""
+    return creeps(study.specification(middle(study), study.conditions[0]).specimen.coefficients)
+
+
+def undisturbed(base: Fit, recorded: Mapping[str, Sequence[Recording]]) -> dict[str, Recording]:
+    """Return what would be recorded without any effect under the conditions that take part in a fit of the base model.
+
+    The first recording of each says when points are taken, at most `MOST_POINTS`. Those where the model fails are left
+    out.
+    """
+    conditions = [_sampled_as(c, recorded[c.name][0]) for c in base.problem.conditions if c.name in recorded]
+    outcomes = simulate_batch(base.problem.forward.specification(base.z, condition) for condition in conditions)
+    return {
+        condition.name: Recording(outcome.time, outcome.load, outcome.depth, condition.name)
+        for condition, outcome in zip(conditions, outcomes, strict=True)
+        if outcome.status == "ok"
+    }
+
+
+def _sampled_as(condition: Condition, recording: Recording) -> Condition:
+    times = recording.time[(recording.time > 0.0) & (recording.time <= condition.protocol.knot_time[-1])]
+    taken = np.unique(np.linspace(0, len(times) - 1, min(len(times), MOST_POINTS)).round().astype(int))
+    return replace(condition, protocol=replace(condition.protocol, sample_time=times[taken]))
 
 
 def zero_points(
@@ -144,7 +216,7 @@ def zero_points(
     compliance subtracted; they cover the law's interval. Differences between tests on one material are free of all
     that.
     """
-    shown = [law for law in laws if law.key == "frame_compliance" and law.lower * law.upper > 0.0]
+    shown = [law for law in laws if law.key == FRAME[0] and law.lower * law.upper > 0.0]
     shown = sorted(shown, key=lambda law: law.upper - law.lower)[:1]
     rows = []
     for condition, tests in recordings.items():
@@ -176,10 +248,9 @@ def _amplitude(fit: Fit, law: AmplitudeConstraint) -> tuple[float, float]:
     if law.key not in fit.explanation:
         return 0.0, MECHANISMS[law.key].background
     problem, z = fit.problem, fit.z
-    white = fit.whiten(fit.tangent)
-    covariance = np.linalg.inv(white.T @ white + np.eye(len(z)) / PRIOR_VARIANCE)
+    change, covariance = fit.joined(np.empty((len(fit.curve), 0)), np.empty(0))
     if fit.constraints:
-        z = z + covariance @ white.T @ fit.white
+        z = z + change
     value, slope = problem.quantity(fit.explanation, z, law.quantity)
     place = problem.place(fit.explanation, law.quantity)
     return value, slope * float(np.sqrt(covariance[place, place]))

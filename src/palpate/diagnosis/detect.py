@@ -27,14 +27,13 @@ from scipy.stats import chi2
 
 from palpate.base.orthonormal import orthonormal
 from palpate.diagnosis.between_tests import p_between_tests
-from palpate.diagnosis.screen import Screen, count_of_trials
+from palpate.diagnosis.parts import polynomials
+from palpate.diagnosis.screen import Screen
 from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
-from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.study.prescribed_segments import segments
 
-DEGREE = 2  # of the polynomials over segments
 LEAST = 1e-3  # part of a filter outside the tangent space, below which it shows nothing
 ENOUGH = 25  # draws as extreme as what was found, with which a p-value is known well enough
 LONGEST = 10  # times as many draws as at once, at most
@@ -53,31 +52,13 @@ def filters(fit: Fit, screen: Screen) -> list[np.ndarray]:
     Each is a basis (n_all, k) of directions of the residual in which an effect might be left, orthonormal in the
     whitened space and off the tangent space.
     """
-    problem = fit.problem
-    tangent = fit.tangent_space
-    found = []
-    for key, effects in screen.effects.items():
-        if key in fit.explanation:
-            continue
-        found += [orthonormal(column[:, None], tangent, LEAST) for column in fit.whiten(effects.T).T]
+    columns = [columns for _, _, columns in polynomials(fit.problem, segments)]
+    for key in [key for key in screen.keys if key not in fit.explanation]:
+        columns += [*screen.effects[key][:, :, None]]
         if MECHANISMS[key].varies:
-            found.append(orthonormal(fit.whiten(problem.effects_by_test(key)), tangent, LEAST))
-    size = len(problem.mean)
-    first = 0
-    for condition in problem.conditions:
-        for where in segments(condition.protocol).values():
-            columns = np.zeros((size, DEGREE + 1))
-            rows = first + np.flatnonzero(where)
-            columns[rows] = np.vander(np.linspace(-1, 1, len(rows)), DEGREE + 1)
-            found.append(orthonormal(fit.whiten(columns), tangent, LEAST))
-        first += len(condition.protocol.sample_time)
+            columns.append(fit.problem.effects_by_test(key))
+    found = [orthonormal(fit.whiten(each), fit.tangent_space, LEAST) for each in columns]
     return [basis for basis in found if basis.shape[1]]
-
-
-def count_of_filters(problem: Problem, keys: Sequence[str]) -> int:
-    """Return the number of filters that are applied to the base model's residual."""
-    parts = sum(len(segments(condition.protocol)) for condition in problem.conditions)
-    return parts + sum(count_of_trials(problem, key) + MECHANISMS[key].varies for key in keys)
 
 
 def simulated_noise(fit: Fit, count: int, rng: np.random.Generator) -> np.ndarray:
@@ -95,14 +76,10 @@ def examine(fit: Fit, screen: Screen, rng: np.random.Generator, draws: int, site
 
     Parameters
     ----------
-    fit
-        Fit whose residual is tested.
-    screen
-        Effects of the mechanisms considered.
-    rng
-        Source of the draws of the noise.
-    draws
-        Number of draws at once, see `monte_carlo_p`.
+    fit, screen
+        Fit whose residual is tested, and the effects of the mechanisms considered.
+    rng, draws
+        Source of the draws of the noise, and how many are made at once, see `monte_carlo_p`.
     site_scatter
         Assumed scatter of the depth between sites [-], where at most half of the conditions are repeated.
     """
@@ -126,14 +103,9 @@ def monte_carlo_p(as_extreme: Callable[[], int], draws: int) -> float:
     The relative error of a p-value is then a fifth, whether it is 0.5 or 0.005. Where none of the first draws is as
     extreme, or `LONGEST` times as many draws have been made, no more are made.
 
-    Source: J. Besag and P. Clifford, Biometrika 78 (1991) 301-304.
+    `as_extreme` makes so many `draws` at once, and returns how many of them are as extreme.
 
-    Parameters
-    ----------
-    as_extreme
-        Makes some draws, and returns how many are as extreme.
-    draws
-        Number of draws at once.
+    Source: J. Besag and P. Clifford, Biometrika 78 (1991) 301-304.
     """
     extreme = made = 0
     while made < LONGEST * draws and (made == 0 or 0 < extreme < ENOUGH):

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import chi2
 
-from palpate.diagnosis.accepted import sufficient_to_identify, zero_on_average
-from palpate.diagnosis.effect_size import added_effect_size, effect_size
+from palpate.diagnosis.effect_size import acts, would_act
 from palpate.diagnosis.explanations import (
     Explanations,
     Members,
     acting,
-    family_inclusion,
     inclusion,
     may_act_together,
     simplest,
@@ -24,6 +23,7 @@ from palpate.diagnosis.side_by_side import ExplanationToTry, ParallelFits
 from palpate.errors import PalpateError
 from palpate.inference.discrepancy import power_of_evidence
 from palpate.inference.explanation import Fit
+from palpate.inference.problem import Explanation, Problem
 from palpate.mechanisms import MECHANISMS
 
 LIKELY = 0.01  # probability of a set from which on the size of its effects is computed
@@ -38,16 +38,14 @@ class DiagnosisOutcome:
     Attributes
     ----------
     verdict
-        ``adequate``, ``identified``, ``suspected``, ``ambiguous`` or ``unexplained``.
+        See `diagnose`.
     law_within_tolerance
         True, False or ``undecided``.
     base
         The base model.
-    accepted
-        The explanations of the group that holds the probability, best first; none where the base model is adequate or
-        nothing explains the recordings.
-    probabilities
-        Of the accepted ones, over all sets.
+    accepted, probabilities
+        The explanations of the group that holds the probability, best first, and their probabilities over all sets;
+        none where the base model is adequate or nothing explains the recordings.
     all_sets
         Probability of every set of mechanisms that they, and no others, act by more than the smallest effect, the
         likeliest first.
@@ -67,7 +65,12 @@ class DiagnosisOutcome:
     all_sets: Mapping[Members, float]
     sets: Explanations
     tried: list[Candidate]
-    failed: Mapping[str, str] = field(default_factory=dict)
+    failed: Mapping[str, str]
+
+    @property
+    def best(self) -> Candidate:
+        """The best explanation that is accepted, else the base model."""
+        return self.accepted[0] if self.accepted else self.base
 
     @property
     def inclusion(self) -> dict[str, float]:
@@ -77,7 +80,7 @@ class DiagnosisOutcome:
     @property
     def family_inclusion(self) -> dict[str, float]:
         """The same of each family."""
-        return family_inclusion(self.all_sets)
+        return inclusion(self.all_sets, families=True)
 
 
 def diagnose(search: Search, report: Callable[[str], None] = print) -> DiagnosisOutcome:
@@ -112,16 +115,7 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
 def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], report: Callable[[str], None]) -> None:
     """Fit sets of mechanisms until none is left that may matter.
 
-    Parameters
-    ----------
-    fits
-        Fits explanations.
-    found
-        Gains the fits and the estimates.
-    failed
-        Gains the reasons why others could not be fitted.
-    report
-        Called with one line on the progress.
+    `found` gains the fits and the estimates, and `failed` the reasons why others could not be fitted.
     """
     search = fits.search
     policy, largest = search.policy, search.study.diagnosis.largest_set
@@ -220,20 +214,22 @@ def _verdict(search: Search, found: Explanations, failed: Mapping[str, str]) -> 
     stated = found.probabilities()
     probabilities = acting(stated, _acts(search, found, stated))
     group = [m for m in smallest_group(probabilities, policy.held) if m in found.fitted] or [frozenset()]
-    tried = [found.fitted[members] for members in sorted(found.fitted, key=lambda each: -found.log_weight(each))]
     within = [found.fitted[m].within(settings.tolerance, settings.significance) for m in group]
     whole = float(np.average(within, weights=[probabilities[m] for m in group]))
     tolerated = False if whole < 1.0 - LIKELIER else True if whole >= SURE else "undecided"
-    undecided = DiagnosisOutcome("", tolerated, base, [], [], probabilities, found, tried, failed)
-    certain = max(undecided.family_inclusion.values(), default=0.0) >= policy.certain
+    families, group = inclusion(probabilities, families=True), simplest(group)
+    certain = max(families.values(), default=0.0) >= policy.certain
     if tolerated is False and (base.fit.errors.law is None or not certain):
-        return replace(undecided, verdict="unexplained")
-    group = simplest(group)
-    if frozenset() in group:
-        return replace(undecided, verdict="adequate")
-    verdict = "ambiguous" if len(group) > 1 else _of_one_set(search, undecided, group[0])
+        verdict, group = "unexplained", []
+    elif frozenset() in group:
+        verdict, group = "adequate", []
+    elif len(group) > 1:
+        verdict = "ambiguous"
+    else:
+        verdict = _of_one_set(search, found.fitted[group[0]].fit, families)
     accepted, of_them = [found.fitted[m] for m in group], [probabilities[m] for m in group]
-    return replace(undecided, verdict=verdict, accepted=accepted, probabilities=of_them)
+    tried = [found.fitted[members] for members in sorted(found.fitted, key=lambda each: -found.log_weight(each))]
+    return DiagnosisOutcome(verdict, tolerated, base, accepted, of_them, probabilities, found, tried, failed)
 
 
 def _acts(search: Search, found: Explanations, stated: Mapping[Members, float]) -> dict[Members, dict[str, float]]:
@@ -241,24 +237,49 @@ def _acts(search: Search, found: Explanations, stated: Mapping[Members, float]) 
 
     Of a set that was not fitted, as its last mechanism only adds to the depth, that follows to first order.
     """
-    smallest, acts = search.study.diagnosis.smallest_effect, dict[Members, dict[str, float]]()
+    smallest, by_each = search.study.diagnosis.smallest_effect, dict[Members, dict[str, float]]()
     for members in sorted(stated, key=len):
         if members in found.fitted and stated[members] >= LIKELY:
-            acts[members] = {key: effect_size(found.fitted[members].fit, key).acts(smallest) for key in members}
+            by_each[members] = {key: acts(found.fitted[members].fit, key, smallest) for key in members}
         elif members in found.estimated:
             smaller, _ = found.estimated[members]
             (key,) = members - smaller
             if not search.problem.is_simulated(key):
-                joined = added_effect_size(found.fitted[smaller].fit, key).acts(smallest)
-                acts[members] = acts.get(smaller, {}) | {key: joined}
-    return acts
+                joined = would_act(found.fitted[smaller].fit, key, smallest)
+                by_each[members] = by_each.get(smaller, {}) | {key: joined}
+    return by_each
 
 
-def _of_one_set(search: Search, diagnosis: DiagnosisOutcome, members: Members) -> str:
-    """Return whether the single set of a group is identified or suspected."""
-    (fit,) = (each.fit for each in diagnosis.tried if frozenset(each.fit.explanation) == members)
-    families = {MECHANISMS[key].family for key in members}
-    sure = all(diagnosis.family_inclusion[family] >= search.policy.certain for family in families)
+def _of_one_set(search: Search, fit: Fit, families: Mapping[str, float]) -> str:
+    """Return whether the single set of a group is identified or suspected, by the inclusion of the families."""
+    sure = all(families[MECHANISMS[key].family] >= search.policy.certain for key in fit.explanation)
     enough = sufficient_to_identify(search.problem, fit.explanation)
     outside = np.abs(fit.coordinates.beyond(fit.z)[search.problem.material :]).max(initial=0.0) > 0.0
     return "identified" if sure and enough and not outside and not zero_on_average(fit) else "suspected"
+
+
+def sufficient_to_identify(problem: Problem, explanation: Explanation) -> bool:
+    """Return whether the recordings suffice to name the single explanation that is accepted.
+
+    Where at most half of the conditions are repeated, part of the noise is assumed. A single condition determines a
+    curve, not a law: a law outside the library may change that curve as an effect on the body does.
+    """
+    on_body = any(MECHANISMS[key].acts_on_body for key in explanation)
+    return problem.replicated and (len(problem.conditions) > 1 or not on_body)
+
+
+def zero_on_average(fit: Fit) -> list[str]:
+    """Return the instrument's effects of an explanation whose mean amplitudes do not differ from zero at 95 %.
+
+    With their values a and covariance V, a^T V^-1 a is then below the quantile of chi-square. They explain that single
+    recordings differ, which chance or another law may cause, too. An effect that averages out is judged by its scatter.
+    """
+    undecided, problem = [], fit.problem
+    for key in [key for key in fit.explanation if not (MECHANISMS[key].acts_on_body or MECHANISMS[key].averages_out)]:
+        names = [f"{key}.{name}" for name in MECHANISMS[key].amplitudes]
+        places = [problem.place(fit.explanation, name) for name in names]
+        values, slopes = np.transpose([problem.quantity(fit.explanation, fit.z, name) for name in names])
+        steps = values / slopes
+        if steps @ np.linalg.solve(fit.posterior[np.ix_(places, places)], steps) <= chi2.ppf(0.95, len(names)):
+            undecided.append(key)
+    return undecided

@@ -10,13 +10,13 @@ import pandas as pd
 
 from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
+from palpate.data.measures import root_mean_square
 from palpate.data.observation import Observation
 from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.individual_amplitudes import in_mean, recording_values
 from palpate.diagnosis.law_class import discrepancy
 from palpate.diagnosis.limits import limits
-from palpate.diagnosis.locate import CERTAIN, Residuals
-from palpate.diagnosis.missing_physics import missing_physics
+from palpate.diagnosis.locate import CERTAIN, Residuals, missing_physics
 from palpate.diagnosis.next_test import Account, discriminating_test
 from palpate.diagnosis.nothing_further import nothing_further
 from palpate.diagnosis.over_sets import draws_over_sets
@@ -27,10 +27,8 @@ from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
 from palpate.inference.estimates import determined, law_discrepancy
 from palpate.inference.explanation import Fit
-from palpate.inference.posterior import draws_to_first_order, posterior_draws
+from palpate.inference.posterior import draws_to_first_order
 from palpate.mechanisms import MECHANISMS
-
-OwnLaws = Mapping[str, Sequence[Sequence[AmplitudeConstraint]]]
 
 
 def mechanism_parameters(fit: Fit, draws: np.ndarray) -> dict[str, dict[str, float]]:
@@ -64,42 +62,38 @@ def flat_amplitudes(fit: Fit, z: np.ndarray) -> dict[str, float]:
     return {f"{key}.{name}": value for key, values in found.items() for name, value in values.items()}
 
 
-def summary(values: np.ndarray, best: float) -> dict[str, float]:
-    """Return the median of draws, and the interval that holds 95 % of them and the `best` value.
+def summary(values: np.ndarray, *best: float) -> dict[str, float]:
+    """Return the median of draws, and the interval that holds 95 % of them and the `best` value, if there is one.
 
     A value at a limit lies outside of the quantiles of draws within it.
     """
-    found = interval(values)
-    return {**found, "lower": min(found["lower"], best), "upper": max(found["upper"], best)}
-
-
-def interval(values: np.ndarray) -> dict[str, float]:
-    """Return the median of draws, and the interval that holds 95 % of them."""
-    lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5])
-    return {"estimate": float(estimate), "lower": float(lower), "upper": float(upper)}
+    lower, estimate, upper = np.percentile(values, [2.5, 50.0, 97.5]).tolist()
+    return {"estimate": estimate, "lower": min([lower, *best]), "upper": max([upper, *best])}
 
 
 def curves(
     study: Study, observed: Mapping[str, Observation], before: Fit, after: Fit
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return the forward model's curves before and after beside the recorded means, for every condition.
+    """Return curves before and after beside the recorded means, for every condition, and which are left out, and why.
 
-    A mechanism that varies between recordings has the most likely value for each condition, given noise and scatter,
-    and so has the factor of its site, where no replicates give that scatter. Parts that are held out have those of the
-    rest of their test.
-    Held-out conditions under which the forward model fails are left out; the second result gives the reasons by their
-    names.
-
-    Parameters
-    ----------
-    study
-        The study.
-    observed
-        Recordings of every condition by its name, in nm.
-    before, after
-        Fits of the base model and of the best explanation.
+    These are the forward model's curves in fits of the base model (`before`) and of the best explanation (`after`), and
+    the recordings `observed` [nm] under the conditions of a `study`. A mechanism that varies between recordings has the
+    most likely value for each condition, given noise and scatter, and so has the factor of its site, where no
+    replicates give that scatter. Parts that are held out have those of the rest of their test. Held-out conditions
+    under which the forward model fails are left out.
     """
     tables, failed, tests = [], {}, {condition.name: condition for condition in study.conditions}
+
+    def with_own(fit: Fit, condition: Condition, curve: np.ndarray) -> np.ndarray:
+        """Return the `curve` (n_points,) [nm] of a condition with what single recordings of its test add."""
+        test = tests[condition.test]
+        fitted = fit.everywhere[test.name]
+        assert not isinstance(fitted, str)  # a test of which parts are held out takes part in the fit
+        departures = in_mean(study, fit, test, fitted, observed[test.name], condition)
+        of_sites = fit.problem.split(fit.of_sites).get(test.name, np.zeros_like(fitted))
+        of_part = of_sites if test is condition else curve * (of_sites @ fitted) / (fitted @ fitted)
+        return curve + (departures + of_part)
+
     for condition in study.conditions:
         found = [fit.everywhere[condition.name] for fit in (before, after)]
         simulated = [curve for curve in found if not isinstance(curve, str)]
@@ -111,26 +105,10 @@ def curves(
         protocol = condition.protocol
         columns |= {f"{protocol.control}_{protocol.unit}": protocol.sample_drive, "recorded_nm": item.mean}
         for name, fit, curve in zip(("before_nm", "after_nm"), (before, after), simulated, strict=True):
-            columns[name] = curve + _of_recordings(study, observed, fit, tests[condition.test], condition, curve)
+            columns[name] = with_own(fit, condition, curve)
         columns["noise_nm"] = np.sqrt(noise_variance(after, condition, item))
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True), failed
-
-
-def _of_recordings(
-    study: Study,
-    observed: Mapping[str, Observation],
-    fit: Fit,
-    test: Condition,
-    condition: Condition,
-    curve: np.ndarray,
-) -> np.ndarray:
-    """Return what single recordings of a test add to the `curve` (n_points,) [nm] of its condition, see `curves`."""
-    fitted = fit.everywhere[test.name]
-    assert not isinstance(fitted, str)  # a test of which parts are held out takes part in the fit
-    departures = in_mean(study, fit, test, fitted, observed[test.name], condition)
-    of_sites = fit.problem.split(fit.of_sites).get(test.name, np.zeros_like(fitted))
-    return departures + (of_sites if test is condition else curve * (of_sites @ fitted) / (fitted @ fitted))
 
 
 def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndarray:
@@ -147,82 +125,45 @@ def errors_before_after(table: pd.DataFrame) -> dict[str, Any]:
     for role in ("calibrate", "validate"):
         part = table[table["role"] == role]
         found[role] = {
-            f"{when}_rmse_nm": _rms(part[f"{when}_nm"] - part["recorded_nm"]) if len(part) else None
+            f"{when}_rmse_nm": root_mean_square((part[f"{when}_nm"] - part["recorded_nm"]).to_numpy())
+            if len(part)
+            else None
             for when in ("before", "after")
         }
     judged = table[table["role"] == "validate"] if (table["role"] == "validate").any() else table
-    return found | {"noise_nm": _rms(judged["noise_nm"])}
-
-
-def _rms(values: pd.Series) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
-def _accepted(
-    study: Study,
-    observed: Mapping[str, Observation],
-    candidate: Candidate,
-    probability: float,
-    drawn: np.ndarray,
-    own_laws: OwnLaws | None,
-) -> dict[str, Any]:
-    """Return the row of an accepted explanation, of whose posterior points are `drawn`."""
-    return {
-        "mechanisms": sorted(candidate.fit.explanation),
-        "probability": probability,
-        "log_evidence": candidate.fit.log_evidence,
-        "parameters": mechanism_parameters(candidate.fit, drawn),
-        "p_value": candidate.p_value,
-        "recordings": recording_values(study, observed, candidate.fit, own_laws),
-    }
+    return found | {"noise_nm": root_mean_square(judged["noise_nm"].to_numpy())}
 
 
 def over_all_sets(diagnosis: DiagnosisOutcome, screen: Screen, rng: np.random.Generator) -> dict[str, dict[str, float]]:
     """Return median and 95 % interval of each free material parameter, whichever mechanisms act."""
     draws = draws_over_sets(diagnosis.sets, screen, rng)
     free = diagnosis.base.fit.coordinates.free
-    return {each.name: interval(each.physical(column)) for each, column in zip(free, draws.T, strict=True)}
-
-
-def _pattern(
-    study: Study, base: Candidate, residuals: Residuals, location: Sequence[Mapping[str, Any]], screen: Screen
-) -> str | None:
-    """Return what the residual of a rejected base model follows where no single part is significant."""
-    if base.p_value >= study.diagnosis.significance or any(row["q_value"] < CERTAIN for row in location):
-        return None
-    return residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})[0]
+    return {each.name: summary(each.physical(column)) for each, column in zip(free, draws.T, strict=True)}
 
 
 def _next_test(
-    study: Study, diagnosis: DiagnosisOutcome, draws: list[np.ndarray], keys: Iterable[str]
+    study: Study, diagnosis: DiagnosisOutcome, of_base: np.ndarray, keys: Iterable[str]
 ) -> dict[str, Any] | None:
     """Return the test that separates what is open between two accounts of the recordings.
 
     These are the two best explanations, a suspected one and the base model, or, where that is adequate, the base model
-    without and with the largest effect among `keys` that could hide beside it. `draws` (m, k) are from the posteriors
-    of the accepted explanations, then of the base model.
+    without and with the largest effect among `keys` that could hide beside it. The draws `of_base` (m, k) are from the
+    posterior of the base model.
     """
     if not all(condition.observable.is_depth for condition in study.conditions):
         return None
-    fits = [candidate.fit for candidate in (*diagnosis.accepted, diagnosis.base)]
-    accounts = [Account.of(*each) for each in zip(fits, draws, strict=True)]
+    base = Account.of(diagnosis.base.fit, of_base)
     if diagnosis.verdict in ("suspected", "ambiguous"):
-        return discriminating_test(study, *accounts[:2])
+        accepted = [Account.of(candidate.fit, candidate.draws) for candidate in diagnosis.accepted[:2]]
+        return discriminating_test(study, *[*accepted, base][:2])
     hidden = largest_undetected(diagnosis.base.fit, keys) if diagnosis.verdict == "adequate" else None
-    return None if hidden is None else discriminating_test(study, accounts[-1], accounts[-1].with_hidden(hidden))
+    return None if hidden is None else discriminating_test(study, base, base.with_hidden(hidden))
 
 
-def _tried(candidate: Candidate, diagnosis: DiagnosisOutcome) -> dict[str, Any]:
-    """Return the row of an explanation that was fitted."""
-    return {
-        "mechanisms": sorted(candidate.fit.explanation),
-        "probability": diagnosis.all_sets.get(frozenset(candidate.fit.explanation), 0.0),
-        "log_evidence": candidate.fit.log_evidence,
-        "discrepancy": law_discrepancy(candidate.fit),
-        "rmse_nm": float(np.sqrt(np.mean(candidate.fit.left**2))),
-        "parameters": flat_amplitudes(candidate.fit, candidate.fit.z),
-        "material": material_at(candidate.fit),
-    }
+def _row(candidate: Candidate, probability: float, **more: Any) -> dict[str, Any]:
+    """Return the row of an explanation with `more` entries."""
+    fit = candidate.fit
+    return {"mechanisms": sorted(fit.explanation), "probability": probability, "log_evidence": fit.log_evidence, **more}
 
 
 def to_mapping(
@@ -231,7 +172,7 @@ def to_mapping(
     diagnosis: DiagnosisOutcome,
     rng: np.random.Generator,
     screen: Screen,
-    own_laws: OwnLaws | None = None,
+    own_laws: Mapping[str, Sequence[Sequence[AmplitudeConstraint]]] | None,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Return the content of `diagnosis.json` and the table of curves before and after.
 
@@ -249,36 +190,53 @@ def to_mapping(
         Amplitudes that exact laws give for each recording of each condition.
     """
     base = diagnosis.base
-    best = diagnosis.accepted[0].fit if diagnosis.accepted else base.fit
+    best, accepted = diagnosis.best.fit, diagnosis.accepted
     residuals = Residuals.of(base.fit, study.diagnosis.tolerance)
-    location = residuals.located()
+    location, pattern = residuals.located(), None
+    if base.p_value < study.diagnosis.significance and all(row["q_value"] >= CERTAIN for row in location):
+        pattern, _ = residuals.pattern({MECHANISMS[key].title: screen.shown(key) for key in screen.keys})
     table, failed = curves(study, observed, base.fit, best)
     verdict, noise = diagnosis.verdict, base.fit.errors.noise
-    draws = [posterior_draws(candidate.fit) for candidate in diagnosis.accepted]
-    of_base = draws_to_first_order(base.fit, rng) if draws else posterior_draws(base.fit)
+    of_base = draws_to_first_order(base.fit, rng) if accepted else base.draws
     before = material_parameters(base.fit, of_base, verdict == "adequate")
-    after = material_parameters(best, draws[0], explained=True) if draws else before
+    after = material_parameters(best, diagnosis.best.draws, explained=True) if accepted else before
     content = {
         "verdict": verdict,
         "law_within_tolerance": diagnosis.law_within_tolerance,
         "p_value": base.p_value,
         "location": location,
-        "pattern": _pattern(study, base, residuals, location, screen),
+        "pattern": pattern,
         "missing": missing_physics(diagnosis.tried[0].fit) if verdict == "unexplained" else None,
         "mechanisms": sorted(best.explanation) if verdict == "identified" else [],
-        "inclusion": dict(sorted(diagnosis.inclusion.items(), key=lambda each: -each[1])),
-        "family_inclusion": dict(sorted(diagnosis.family_inclusion.items(), key=lambda each: -each[1])),
-        "nothing_further": nothing_further(diagnosis, best.explanation, screen),
+        "inclusion": diagnosis.inclusion,
+        "family_inclusion": diagnosis.family_inclusion,
+        "nothing_further": nothing_further(diagnosis, screen),
         "discrepancy": discrepancy(best),
         "discrepancy_base": law_discrepancy(base.fit),
         "candidates": [
-            _accepted(study, observed, *found, own_laws)
-            for found in zip(diagnosis.accepted, diagnosis.probabilities, draws, strict=True)
+            _row(
+                each,
+                probability,
+                parameters=mechanism_parameters(each.fit, each.draws),
+                p_value=each.p_value,
+                recordings=recording_values(study, observed, each.fit, own_laws),
+            )
+            for each, probability in zip(accepted, diagnosis.probabilities, strict=True)
         ],
-        "discriminating_test": _next_test(study, diagnosis, [*draws, of_base], screen.keys),
+        "discriminating_test": _next_test(study, diagnosis, of_base, screen.keys),
         "fit": errors_before_after(table),
         "parameters": {"before": before, "after": after, "over_all_sets": over_all_sets(diagnosis, screen, rng)},
-        "tried": [_tried(candidate, diagnosis) for candidate in diagnosis.tried],
+        "tried": [
+            _row(
+                each,
+                diagnosis.all_sets.get(frozenset(each.fit.explanation), 0.0),
+                discrepancy=law_discrepancy(each.fit),
+                rmse_nm=root_mean_square(each.fit.left),
+                parameters=flat_amplitudes(each.fit, each.fit.z),
+                material=material_at(each.fit),
+            )
+            for each in diagnosis.tried
+        ],
         "noise": {name: float(np.sqrt(v)) for name, v in noise.variances.items()}
         | {"sigma_nm": noise.sigma.tolist(), "autocorrelation": noise.autocorrelation.tolist()},
         "limits": limits(study, diagnosis, failed, rng),

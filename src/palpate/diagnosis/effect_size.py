@@ -7,94 +7,54 @@ amplitude differs between recordings, the root of its mean square counts: drifts
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.stats import norm
 
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
-from palpate.inference.problem import Problem
-from palpate.study.prescribed_segments import segments
+from palpate.diagnosis.parts import mean_changes
+from palpate.inference.explanation import Fit
 
 
-@dataclass(frozen=True)
-class EffectSize:
-    """The largest change of a part of a test.
+def acts(fit: Fit, key: str, smallest: float) -> float:
+    """Return the probability that a mechanism of an explanation acts: by more than `smallest`, a share of the depth.
 
-    Parameters
-    ----------
-    size, deviation
-        Of the mean depth, as a share of the largest depth so far, and its standard deviation [-].
+    It acts by nothing where the curves cannot be simulated without it.
     """
-
-    size: float
-    deviation: float
-
-    def acts(self, smallest: float) -> float:
-        """Return the probability that it exceeds a share of the depth, in either direction."""
-        deviation = max(self.deviation, 1e-12)
-        return float(norm.sf((smallest - self.size) / deviation) + norm.cdf((-smallest - self.size) / deviation))
-
-
-def effect_size(fit: Fit, key: str) -> EffectSize:
-    """Return how much a mechanism of an explanation changes the curves; none where it cannot be simulated without."""
     problem = fit.problem
     smaller, rest = problem.without(fit.explanation, fit.z, key)
     (without,), (with_it,) = problem.model(smaller).curves([rest]), problem.model(fit.explanation).curves([fit.z])
     if isinstance(without, str) or isinstance(with_it, str):
-        return EffectSize(0.0, 0.0)
+        return _exceeds(0.0, 0.0, smallest)
     change = problem.stacked(with_it) - problem.stacked(without)
     varying = [(problem.unit_effects(a), fit.errors.noise.variances[str(a)]) for a in fit.own if a.key == key]
-    places = problem.places(fit.explanation)[key]
-    found = EffectSize(0.0, 0.0)
-    for weights in parts(problem, fit.curve):
+    places, largest, deviation = problem.places(fit.explanation)[key], 0.0, 0.0
+    for weights in mean_changes(problem, fit.curve):
         scatter = sum(variance * float(weights @ column) ** 2 for column, variance in varying)
         size = float(np.hypot(weights @ change, np.sqrt(scatter)))
-        if size > found.size:
+        if size > largest:
             slope = weights @ fit.tangent[:, places]
-            found = EffectSize(size, float(np.sqrt(slope @ fit.posterior[np.ix_(places, places)] @ slope)))
-    return found
+            largest, deviation = size, float(np.sqrt(slope @ fit.posterior[np.ix_(places, places)] @ slope))
+    return _exceeds(largest, deviation, smallest)
 
 
-def added_effect_size(fit: Fit, key: str) -> EffectSize:
-    """Return how much a mechanism that only adds to the depth would change the curves if it joined, to first order.
+def would_act(fit: Fit, key: str, smallest: float) -> float:
+    """Return the probability that a mechanism that only adds to the depth acts if it joins a fit, to first order.
 
     Each amplitude has its most likely value beside the parameters of the fit, with a normal prior of its typical size.
     """
-    problem, found = fit.problem, EffectSize(0.0, 0.0)
-    amplitudes = problem.typical(key)
+    problem, amplitudes, largest, deviation = fit.problem, fit.problem.typical(key), 0.0, 0.0
     columns = np.column_stack([problem.unit_effects(amplitude) for amplitude in amplitudes])
     sizes = np.array([problem.typical_size(amplitude) for amplitude in amplitudes])
-    design = fit.whiten(np.column_stack([fit.tangent, columns]))
-    prior = np.append(np.full(len(fit.z), 1.0 / PRIOR_VARIANCE), 1.0 / sizes**2)
-    covariance = np.linalg.inv(design.T @ design + np.diag(prior))
-    best, spread = (covariance @ design.T @ fit.white)[len(fit.z) :], covariance[len(fit.z) :, len(fit.z) :]
-    for weights in parts(problem, fit.curve):
+    change, covariance = fit.joined(columns, sizes**2)
+    best, spread = change[len(fit.z) :], covariance[len(fit.z) :, len(fit.z) :]
+    for weights in mean_changes(problem, fit.curve):
         along = weights @ columns
         size = abs(float(along @ best))
-        if size > found.size:
-            found = EffectSize(size, float(np.sqrt(along @ spread @ along)))
-    return found
+        if size > largest:
+            largest, deviation = size, float(np.sqrt(along @ spread @ along))
+    return _exceeds(largest, deviation, smallest)
 
 
-def parts(problem: Problem, depth: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield weights (n_all,) that give the mean change of each half of a segment, as a share of the depth so far.
-
-    Parameters
-    ----------
-    problem
-        The tests.
-    depth : ndarray, shape (n_all,)
-        Their curves [nm].
-    """
-    first, curves = 0, problem.split(depth)
-    for condition in problem.conditions:
-        largest = np.maximum.accumulate(np.abs(curves[condition.name]))
-        for where in segments(condition.protocol).values():
-            places = np.flatnonzero(where)
-            for half in np.array_split(places, 2):
-                weights = np.zeros(len(depth))
-                weights[first + half] = 1.0 / largest[half].sum()
-                yield weights
-        first += len(largest)
+def _exceeds(size: float, deviation: float, smallest: float) -> float:
+    """Return the probability that a change of this size and standard deviation exceeds the smallest one either way."""
+    deviation = max(deviation, 1e-12)
+    return float(norm.sf((smallest - size) / deviation) + norm.cdf((-smallest - size) / deviation))

@@ -150,12 +150,8 @@ def may_act_together(mechanisms: Iterable[str]) -> bool:
 def acting(probabilities: Mapping[Members, float], acts: Mapping[Members, Mapping[str, float]]) -> dict[Members, float]:
     """Return the probability of each set that its mechanisms, and no others, act by more than the smallest effect.
 
-    Parameters
-    ----------
-    probabilities
-        Of all sets.
-    acts
-        Of each set the probability that its mechanisms act by more than that; one where not given.
+    It follows from the `probabilities` of all sets, and from the probability that each mechanism of a set `acts` by
+    more than that; one where not given.
     """
     found: dict[Members, float] = {}
     for members, probability in probabilities.items():
@@ -183,19 +179,10 @@ def simplest(group: Sequence[Members]) -> list[Members]:
     return [members for members in group if not any(other < members for other in group)]
 
 
-def inclusion(probabilities: Mapping[Members, float]) -> dict[str, float]:
-    """Return the probability of each mechanism that it acts, over all sets."""
+def inclusion(probabilities: Mapping[Members, float], families: bool = False) -> dict[str, float]:
+    """Return the probability of each mechanism that it acts, over all sets, the likeliest first; or of each family."""
     found: dict[str, float] = {}
     for members, probability in probabilities.items():
-        for key in members:
-            found[key] = found.get(key, 0.0) + probability
-    return found
-
-
-def family_inclusion(probabilities: Mapping[Members, float]) -> dict[str, float]:
-    """Return the probability of each family that one of its mechanisms acts, over all sets."""
-    found: dict[str, float] = {}
-    for members, probability in probabilities.items():
-        for family in {MECHANISMS[key].family for key in members}:
-            found[family] = found.get(family, 0.0) + probability
-    return found
+        for each in {MECHANISMS[key].family for key in members} if families else members:
+            found[each] = found.get(each, 0.0) + probability
+    return dict(sorted(found.items(), key=lambda each: -each[1]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -54,21 +53,3 @@ class Fact:
         """Return its content for `diagnosis.json`."""
         values = {name: float(getattr(self, name)) for name in ("estimate", "lower", "upper")}
         return {"fact": self.fact} | values | {"unit": self.unit, "suggests": self.suggests}
-
-
-def in_words(row: Mapping[str, Any]) -> str:
-    """Return a sentence on a row of `diagnosis.json`."""
-    unit = "" if row["unit"] == "-" else f" {row['unit']}"
-    value, lower, upper = (f"{row[name]:.3g}" for name in ("estimate", "lower", "upper"))
-    titles = [MECHANISMS[key].title for key in row["suggests"]]
-    start = f"{row['fact'][0].upper()}{row['fact'][1:]}: {value}{unit} ({lower} to {upper})"
-    return f"{start}, as with {_either(titles)}." if titles else f"{start}."
-
-
-def suggestive(rows: Iterable[Mapping[str, Any]]) -> str:
-    """Return the sentences on the rows that suggest a mechanism."""
-    return " ".join(in_words(row) for row in rows if row["suggests"])
-
-
-def _either(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"

@@ -10,7 +10,6 @@ import numpy as np
 from palpate.configuration.condition import Condition
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
-from palpate.inference.amplitude import Amplitude
 from palpate.inference.amplitude_constraint import NORMAL_95, AmplitudeConstraint
 from palpate.inference.covariance import components_under, model_covariance, refinement_covariance
 from palpate.inference.discrepancy import Discrepancy
@@ -45,95 +44,68 @@ def recording_values(
     """
     if not fit.own:
         return {}
-    best = fit.problem.amplitudes(fit.explanation, fit.z)
+    best, body = fit.problem.amplitudes(fit.explanation, fit.z), slice(fit.problem.material)
+    names, means = [str(each) for each in fit.own], np.array([best[each.key][each.name] for each in fit.own])
     found: dict[str, list[dict[str, Any]]] = {}
-    body = slice(fit.problem.material)
     slopes, left_open = fit.problem.split(fit.tangent[:, body]), fit.posterior[body, body]
     for condition in study.conditions:
-        item = observed[condition.name]
-        curve = fit.everywhere[condition.name]
+        item, curve = observed[condition.name], fit.everywhere[condition.name]
         if isinstance(curve, str) or condition.part_of:
             continue
-        covariance = about(study, fit, condition, curve)
         design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in fit.own])
         if not design.any(axis=0).all():
             continue
-        weighed = np.linalg.solve(covariance, design)
+        weighed = np.linalg.solve(about(study, fit, condition, curve), design)
         for number, depth in enumerate(item.response, 1):
             own = own_laws[condition.name][number - 1] if own_laws and condition.name in own_laws else ()
-            laws = [law for law in own if law.holds_under(fit.explanation)]
-            departures, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), fit.own, best, laws)
+            laws = [law for law in own if law.quantity in names and law.holds_under(fit.explanation)]
+            placed = [(names.index(law.quantity), law) for law in laws]
+            values, spread = _with_laws(design.T @ weighed, weighed.T @ (depth - curve), means, placed)
             if condition.name in slopes:
                 moved = spread @ weighed.T @ slopes[condition.name]
                 spread = spread + moved @ left_open @ moved.T
-            for amplitude, departure, variance in zip(fit.own, departures, np.diag(spread), strict=True):
-                half = NORMAL_95 * float(np.sqrt(variance))
-                value = float(best[amplitude.key][amplitude.name] + departure)
+            halves = NORMAL_95 * np.sqrt(np.diag(spread))
+            for name, value, half in zip(names, values.tolist(), halves.tolist(), strict=True):
                 row = {"condition": condition.name, "number": number, "estimate": value}
-                found.setdefault(str(amplitude), []).append(row | {"lower": value - half, "upper": value + half})
+                found.setdefault(name, []).append(row | {"lower": value - half, "upper": value + half})
     return found
 
 
 def in_mean(
-    study: Study,
-    fit: Fit,
-    condition: Condition,
-    curve: np.ndarray,
-    item: Observation,
-    part: Condition | None = None,
+    study: Study, fit: Fit, condition: Condition, curve: np.ndarray, item: Observation, part: Condition | None = None
 ) -> np.ndarray:
     """Return the effect of departures from mean values on the mean of a condition's recordings (n_points,) [nm].
 
-    The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm].
-    The variances rest on the number of replicates, so departures have Student's distribution with that many degrees of
-    freedom: an outlier, as where a tip met dirt, is not pulled to the mean.
-
-    Parameters
-    ----------
-    study, fit, condition, curve
-        See `about`.
-    item
-        Recordings of the condition.
-    part
-        Where the effect is asked for: the condition itself, or its parts that are held out.
+    The departures are jointly the most likely, given the variance of each, about a simulated `curve` (n_points,) [nm],
+    see `about`, from the recordings of the condition in `item`. The variances rest on the number of replicates, so
+    departures have Student's distribution with that many degrees of freedom: an outlier, as where a tip met dirt, is
+    not pulled to the mean. The effect is that in a held-out `part` of the condition, if one is given.
     """
-    noise, count, columns, spreads = fit.errors.noise, len(item.response), {}, []
+    noise, count, spreads = fit.errors.noise, len(item.response), {}
     for amplitude in fit.own:
         shown = noise.variances[str(amplitude)] / count + fit.errors.between.get(str(amplitude), 0.0)
         spread = shown if noise.replicated else (0.3 * fit.problem.largest(amplitude)) ** 2
         if spread > 0:
-            columns[amplitude] = fit.problem.unit_effect(amplitude, condition)
-            spreads.append(spread)
+            spreads[amplitude] = spread
     shown_in = part or condition
-    if not columns:
+    if not spreads:
         return np.zeros(len(shown_in.protocol.sample_time))
-    design = np.column_stack(list(columns.values()))
+    design = np.column_stack([fit.problem.unit_effect(amplitude, condition) for amplitude in spreads])
     weighed = np.linalg.solve(about(study, fit, condition, curve, count), design)
-    precision, pull, scales = design.T @ weighed, weighed.T @ (item.mean - curve), np.array(spreads)
+    precision, pull, scales = design.T @ weighed, weighed.T @ (item.mean - curve), np.array(list(spreads.values()))
     freedom = sum(len(fit.problem.observed[each.name].response) - 1 for each in fit.problem.conditions)
     weights = np.ones(len(scales))  # of the prior, 1 in its middle
     for _ in range(ROUNDS if noise.replicated else 1):
         departures = np.linalg.solve(precision + np.diag(weights / scales), pull)
         weights = (freedom + 1.0) / (freedom + departures**2 / scales)
-    effects = [fit.problem.unit_effect(amplitude, shown_in) for amplitude in columns]
+    effects = [fit.problem.unit_effect(amplitude, shown_in) for amplitude in spreads]
     return np.column_stack(effects) @ departures
 
 
 def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count: int = 1) -> np.ndarray:
-    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,).
+    """Return the covariance (n, n) [nm^2] of the mean of `count` recordings about a simulated `curve` (n,) [nm].
 
-    Parameters
-    ----------
-    study
-        The study, for the error of the solver.
-    fit
-        An explanation, for its noise.
-    condition
-        The condition.
-    curve : ndarray, shape (n,)
-        Simulated depth [nm].
-    count
-        Number of recordings.
+    The `study` states the error of the solver, and a `fit` has the noise of recordings under a `condition`.
     """
     noise = fit.errors.noise.under(
         fit.problem.names, condition.name, components_under(fit.problem, (), condition, curve)
@@ -149,25 +121,18 @@ def about(study: Study, fit: Fit, condition: Condition, curve: np.ndarray, count
 
 
 def _with_laws(
-    precision: np.ndarray,
-    pull: np.ndarray,
-    own: Sequence[Amplitude],
-    means: Mapping[str, Mapping[str, float]],
-    laws: Sequence[AmplitudeConstraint],
+    precision: np.ndarray, pull: np.ndarray, means: np.ndarray, laws: Sequence[tuple[int, AmplitudeConstraint]]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the departures (k,) from the common means and their covariance, from a recording and its own laws.
+    """Return the values (k,) about common means and their covariance, from a recording and its own laws, by place.
 
     A second pass weights a law by the side of its interval on which the first pass put the value.
     """
-    names = [str(amplitude) for amplitude in own]
-    places = [(names.index(law.quantity), law) for law in laws if law.quantity in names]
     departures = np.linalg.solve(precision, pull)
     for _ in range(2):
         weighed, pulled = precision.copy(), pull.copy()
-        for place, law in places:
-            mean = means[law.key][law.parameter]
-            weight = law.weight(mean + float(departures[place])) ** 2
+        for place, law in laws:
+            weight = law.weight(float(means[place] + departures[place])) ** 2
             weighed[place, place] += weight
-            pulled[place] += weight * (law.estimate - mean)
+            pulled[place] += weight * (law.estimate - means[place])
         departures = np.linalg.solve(weighed, pulled)
-    return departures, np.linalg.inv(weighed)
+    return means + departures, np.linalg.inv(weighed)

@@ -17,12 +17,13 @@ import numpy as np
 from scipy.linalg import cho_solve
 from scipy.special import logsumexp
 
-from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, power_of_evidence
+from palpate.data.measures import root_mean_square
+from palpate.diagnosis.parts import halves
+from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, largest_depths, power_of_evidence
 from palpate.inference.estimates import law_discrepancy
 from palpate.inference.explanation import DENSITY_ONE, Fit
 from palpate.inference.marginal import Marginal
 from palpate.inference.problem import Problem
-from palpate.study.prescribed_segments import segments
 
 CLASSES = ("scaling", "length", "clock", "reversal")
 APART = 1.2  # ratio of loads, or of durations, from which on tests tell a length from the law, or a clock from both
@@ -38,16 +39,13 @@ def discrepancy(fit: Fit) -> dict[str, Any] | None:
     size = law_discrepancy(fit)
     if size is None:
         return None
-    rows, first, likely = [], 0, fit.errors.of_simulation @ cho_solve((fit.factor, True), fit.residual)
-    for condition in fit.problem.conditions:
-        curve = fit.problem.split(fit.curve)[condition.name]
-        largest = np.maximum.accumulate(np.abs(curve))
-        relative = likely[first : first + len(curve)] / np.maximum(largest, SMALLEST * largest[-1])
-        for segment, where in segments(condition.protocol).items():
-            for part, half in zip(("early", "late"), np.array_split(np.flatnonzero(where), 2), strict=True):
-                share = float(np.sqrt(np.mean(relative[half] ** 2)))
-                rows.append({"condition": condition.name, "segment": segment, "part": part, "share": share})
-        first += len(curve)
+    likely = fit.errors.of_simulation @ cho_solve((fit.factor, True), fit.residual)
+    largest = largest_depths(fit.problem.split(fit.curve), {})
+    relative = likely / np.maximum(largest, SMALLEST * largest.max())
+    rows = [
+        {"condition": condition.name, "segment": segment, "part": part, "share": root_mean_square(relative[half])}
+        for condition, segment, part, half in halves(fit.problem)
+    ]
     return {**size, **law_class(fit), "parts": sorted(rows, key=lambda row: -row["share"])}
 
 

@@ -7,10 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.accepted import zero_on_average
 from palpate.diagnosis.between_tests import p_between_tests
 from palpate.diagnosis.candidates import KINDS_OF_TESTS
-from palpate.diagnosis.diagnose import DiagnosisOutcome
+from palpate.diagnosis.diagnose import DiagnosisOutcome, zero_on_average
 from palpate.inference.explanation import Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS, quantity_in_words
@@ -21,16 +20,10 @@ OUTSIDE = 0.005  # of a range, beyond its ends: a parameter is reported as outsi
 
 
 def limits(study: Study, diagnosis: DiagnosisOutcome, failed: Mapping[str, str], rng: np.random.Generator) -> list[str]:
-    """Return all limits of a diagnosis.
+    """Return all limits of a `diagnosis` of a `study`.
 
-    Parameters
-    ----------
-    study, diagnosis
-        The study, the verdict and its fits.
-    failed
-        Why the errors of some conditions are not known, by their names.
-    rng
-        Source of the draws of `follows_tests`.
+    `failed` says why the errors of some conditions are not known, by their names; `rng` gives the draws of
+    `follows_tests`.
     """
     return [
         *of_recordings(study, diagnosis.base.fit.problem),

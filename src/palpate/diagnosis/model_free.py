@@ -15,11 +15,9 @@ from indentation_files.reversal_lag import reversal_lag
 from palpate.configuration.study_file import Study
 from palpate.data.observation import Observation
 from palpate.diagnosis import replicate_facts, scaling_facts
-from palpate.diagnosis.constraints import law_of_reference, laws_of
+from palpate.diagnosis.constraints import is_creeping, law_of_reference, laws_of
 from palpate.diagnosis.fact import Fact
-from palpate.materials.flow.row import creeps
 from palpate.mechanisms import MECHANISMS
-from palpate.solver.study_scale import middle
 
 TITLES = {
     "thermal_drift": "rate of the depth in holds at low load, creep and recovery included",
@@ -32,36 +30,23 @@ def model_free(
 ) -> list[Fact]:
     """Return what the tests of a study that take part in its calibration show without a model.
 
-    Parameters
-    ----------
-    study
-        Says which tip and which load histories there are.
-    recorded
-        Recordings of each condition, from contact on.
-    observed
-        The same, resampled.
+    They are the recordings of each condition, `recorded` from contact on, and `observed` at the samples of the study.
     """
     tests = [(c, recorded[c.name]) for c in study.calibrated if c.observable.is_depth]
     every = [recording for _, recordings in tests for recording in recordings]
-    found = [*_lag(every), *_exact(study, every, [test for c, each in tests if not c.tip for test in each])]
-    material = study.specification(middle(study), study.conditions[0])
-    creeping = creeps(material.specimen.coefficients)
+    found = []
+    if lag := reversal_lag(every):
+        text = "lag of the depth behind the load at corners of its history"
+        found.append(Fact(text, lag.lag, lag.lower, lag.upper, "s", ("controller_lag",)))
+    found += _exact(study, every, [test for c, each in tests if not c.tip for test in each])
     for name, conditions in study.by_tip(c for c, _ in tests).items():
         if study.tip_of(conditions[0]).sharp:
             alike = [(c, recorded[c.name]) for c in conditions]
-            facts = scaling_facts.facts(alike, study.calibration.site_scatter, creeping)
+            facts = scaling_facts.facts(alike, study.calibration.site_scatter, is_creeping(study))
             found += [fact.under_tip(name) for fact in facts]
     found += replicate_facts.differences({c.name: observed[c.name] for c, _ in tests})
     found += replicate_facts.trend(tests)
     return [fact for fact in found if np.isfinite([fact.estimate, fact.lower, fact.upper]).all()]
-
-
-def _lag(recordings: Sequence[Recording]) -> list[Fact]:
-    found = reversal_lag(recordings)
-    if found is None:
-        return []
-    text = "lag of the depth behind the load at corners of its history"
-    return [Fact(text, found.lag, found.lower, found.upper, "s", ("controller_lag",))]
 
 
 def _exact(study: Study, recordings: Sequence[Recording], own: Sequence[Recording]) -> list[Fact]:

@@ -40,16 +40,12 @@ class FeasibleTest:
 
     Parameters
     ----------
-    phrase
-        The test in one phrase.
-    settings
-        Its numbers.
+    phrase, settings
+        The test in one phrase, and its numbers.
     protocol
         Its load history.
-    indenter
-        A tip that the study does not have; None for one that it has.
-    tip
-        Name of the study's tip; empty for its own.
+    indenter, tip
+        A tip that the study does not have, or the name of one that it has; empty for its own.
     """
 
     phrase: str
@@ -122,10 +118,8 @@ class Account:
 
     Parameters
     ----------
-    name
-        In words.
-    fit
-        The explanation, whose noise and amplitudes are used.
+    name, fit
+        The explanation in words, and its fit, whose noise and amplitudes are used.
     draws : ndarray, shape (m, k)
         Draws from its posterior.
     hidden
@@ -160,17 +154,17 @@ class Account:
 
 
 def discriminating_test(study: Study, first: Account, second: Account) -> dict[str, Any] | None:
-    """Return the test that separates two accounts most surely, with its expected power.
+    """Return the test that separates two accounts most surely, with its expected power; None if none can be simulated.
 
     The distance of the two predicted curves is measured against the covariance of noise, site scatter, slow drift,
     values of three new recordings and the simulation's error (the mean over both accounts), plus the uncertainty of
     the parameters of both (from draws from their posteriors); the power is that of a 1 % test.
     """
-    scale = first.fit.problem.scale
-    best: dict[str, Any] | None = None
-    further = {name: tests for name, tests in study.by_tip(study.calibrated).items() if name}
-    loads = {name: max(each.protocol.max_load for each in tests) for name, tests in further.items()}
+    scale, found = first.fit.problem.scale, list[dict[str, Any]]()
+    by_tip = study.by_tip(study.calibrated).items()
+    loads = {name: max(each.protocol.max_load for each in conditions) for name, conditions in by_tip if name}
     tests = list(feasible(scale.load, scale.loading_time, study.indenter, loads))
+    hidden = {"hidden_effect": {str(second.hidden.amplitude): second.hidden.value}} if second.hidden else {}
     predicted = (_predicted(account, tests) for account in (first, second))
     for test, *both in zip(tests, *predicted, strict=True):
         if None in both:
@@ -182,29 +176,16 @@ def discriminating_test(study: Study, first: Account, second: Account) -> dict[s
         power = float(ncx2.sf(chi2.isf(FALSE_ALARM, 1), 1, distance))
         entry = {"test": test.phrase, **test.settings, "expected_power": power, "distance": distance}
         entry |= {"tip": test.tip} if test.tip else {}
-        if best is None or distance > best["distance"]:
-            best = entry | {"separates": [first.name, second.name]}
-    if best and (hidden := second.hidden):
-        best["hidden_effect"] = {str(hidden.amplitude): hidden.value}
-    return best
+        found.append(entry | {"separates": [first.name, second.name]} | hidden)
+    return max(found, key=lambda entry: entry["distance"], default=None)
 
 
 def error_of_means(study: Study, fit: Fit, condition: Condition, curve: np.ndarray) -> np.ndarray:
     """Return the covariance (n, n) [nm^2] of the mean of three recordings of a test about its simulated `curve` (n,).
 
     A mechanism that varies has unknown values in the new recordings. The simulation's error counts as in a diagnosis: a
-    difference by a common factor of the depth distinguishes nothing.
-
-    Parameters
-    ----------
-    study
-        The study.
-    fit
-        Explanation whose noise and amplitudes are used.
-    condition
-        The test as a condition.
-    curve : ndarray, shape (n,)
-        Simulated depth [nm].
+    difference by a common factor of the depth distinguishes nothing. The test, as a `condition`, has the noise of a
+    `fit`; other arguments as `palpate.diagnosis.individual_amplitudes.about`.
     """
     errors, parts = fit.errors, components_under(fit.problem, fit.own, condition, curve)
     names = [str(amplitude) for amplitude in fit.own]

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from palpate.classical.reference_sample import NORMAL_95
 from palpate.diagnosis.diagnose import DiagnosisOutcome
-from palpate.diagnosis.explanations import Members
 from palpate.diagnosis.screen import Screen
 from palpate.inference.explanation import DENSITY_ONE, Fit
 from palpate.mechanisms import MECHANISMS
 
 SHOWN = 0.01  # inclusion from which on a hidden mechanism is listed
 MOST = 5  # mechanisms that are listed
-VAGUE = 1e-6  # precision of a coefficient beforehand: none to speak of
+VAGUE = 1e6  # variance of a coefficient beforehand: next to nothing is known of it
 
 
-def nothing_further(diagnosis: DiagnosisOutcome, named: Iterable[str], screen: Screen) -> dict[str, Any]:
-    """Return what may act beside the `named` mechanisms.
+def nothing_further(diagnosis: DiagnosisOutcome, screen: Screen) -> dict[str, Any]:
+    """Return what may act beside the mechanisms of the best explanation.
 
     Returns
     -------
@@ -29,25 +27,23 @@ def nothing_further(diagnosis: DiagnosisOutcome, named: Iterable[str], screen: S
         `hidden`, the likeliest mechanisms with their probability and parameters; `may_cover`, for each family the
         largest change of a curve [nm] that the recordings and the discrepancy of the law do not exclude at 95 %.
     """
-    known = set(named)
+    known = set(diagnosis.best.fit.explanation)
     alone = sum(probability for members, probability in diagnosis.all_sets.items() if members <= known)
     others = {key: p for key, p in diagnosis.inclusion.items() if key not in known and p >= SHOWN}
-    likeliest = sorted(others, key=lambda key: -others[key])[:MOST]
-    fits = {frozenset(each.fit.explanation): each.fit for each in diagnosis.tried}
-    best = fits.get(frozenset(known), diagnosis.base.fit)
     return {
         "probability": min(alone, 1.0),
         "hidden": [
-            {"mechanism": key, "probability": others[key], "parameters": _parameters(key, diagnosis.all_sets, fits)}
-            for key in likeliest
+            {"mechanism": key, "probability": p, "parameters": _parameters(key, diagnosis)}
+            for key, p in list(others.items())[:MOST]
         ],
-        "may_cover": may_cover(best, screen),
+        "may_cover": may_cover(diagnosis.best.fit, screen),
     }
 
 
-def _parameters(key: str, sets: Iterable[Members], fits: dict[Members, Fit]) -> dict[str, dict[str, float]]:
+def _parameters(key: str, diagnosis: DiagnosisOutcome) -> dict[str, dict[str, float]]:
     """Return a mechanism's parameters in the likeliest fitted set that holds it, with 95 % intervals to first order."""
-    fit = next((fits[members] for members in sets if key in members and members in fits), None)
+    fitted = diagnosis.sets.fitted
+    fit = next((fitted[members].fit for members in diagnosis.all_sets if key in members and members in fitted), None)
     if fit is None:
         return {}
     reach = NORMAL_95 * np.sqrt(np.diag(fit.posterior))
@@ -68,14 +64,11 @@ def may_cover(fit: Fit, screen: Screen) -> dict[str, float]:
     To first order the effect at three quarters of its range has a coefficient, which joins the parameters of the fit at
     the likeliest size of the law's discrepancy; the end of its 95 % interval that is farther from zero counts.
     """
-    found: dict[str, float] = {}
-    acting, white = {MECHANISMS[key].family for key in fit.explanation}, fit.whiten(fit.tangent)
-    prior = np.append(np.full(len(fit.z), 1.0 / DENSITY_ONE), VAGUE)
+    found, acting = dict[str, float](), {MECHANISMS[key].family for key in fit.explanation}
     for key in [key for key in screen.keys if MECHANISMS[key].family not in acting]:
         effect = screen.shown(key)
-        design = np.column_stack([white, fit.whiten(effect)])
-        covariance = np.linalg.inv(design.T @ design + np.diag(prior))
-        end = abs(float((covariance @ design.T @ fit.white)[-1])) + NORMAL_95 * float(np.sqrt(covariance[-1, -1]))
+        change, covariance = fit.joined(effect, VAGUE, DENSITY_ONE)
+        end = abs(float(change[-1])) + NORMAL_95 * float(np.sqrt(covariance[-1, -1]))
         family = MECHANISMS[key].family
         found[family] = max(found.get(family, 0.0), end * float(np.abs(effect).max()))
     return found

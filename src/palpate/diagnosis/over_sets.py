@@ -13,8 +13,8 @@ from scipy.special import logsumexp
 
 from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.screen import Screen
-from palpate.inference.explanation import PRIOR_VARIANCE, Fit
-from palpate.inference.posterior import DRAWS, draws_to_first_order, posterior_draws
+from palpate.inference.explanation import Fit
+from palpate.inference.posterior import DRAWS, draws_to_first_order
 
 LIKELY = 0.01  # probability of a set from which on its posterior is more than one to first order
 
@@ -24,15 +24,6 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
 
     Sets that were not fitted count to first order from the smaller set by which they were estimated. Those that were
     estimated by an exchange of mechanisms lie beside fitted ones that hold most of the probability, and are left out.
-
-    Parameters
-    ----------
-    found
-        The sets with their probabilities.
-    screen
-        Effects of the mechanisms.
-    rng
-        Source of the draws.
     """
     parts = []
     for members, probability in found.probabilities().items():
@@ -40,8 +31,8 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
         if not count or found.is_exchanged(members):
             continue
         if members in found.fitted:
-            fit = found.fitted[members].fit
-            draws = posterior_draws(fit) if probability >= LIKELY else draws_to_first_order(fit, rng)
+            fitted = found.fitted[members]
+            draws = fitted.draws if probability >= LIKELY else draws_to_first_order(fitted.fit, rng)
         else:
             smaller, _ = found.estimated[members]
             (key,) = members - smaller
@@ -57,15 +48,12 @@ def _joined(fit: Fit, screen: Screen, key: str, rng: np.random.Generator) -> np.
     The effects that were screened are taken in proportion to a coefficient, as for the evidence, at the likeliest size
     of the law's discrepancy.
     """
-    tangent, white, posteriors = fit.whiten(fit.tangent), fit.white, list[tuple[float, np.ndarray, np.ndarray]]()
+    posteriors = []
     for effect, variances in zip(screen.effects[key], screen.prior_variances(fit, key), strict=True):
-        design = np.column_stack([tangent, fit.whiten(effect)])
-        information, along = design.T @ design, design.T @ white
         for weight, variance in variances:
-            prior = np.append(np.full(len(fit.z), 1.0 / PRIOR_VARIANCE), 1.0 / variance)
-            covariance = np.linalg.inv(information + np.diag(prior))
-            best = covariance @ along
-            evidence = 0.5 * (along @ best + np.linalg.slogdet(covariance)[1] + np.log(prior).sum())
+            best, covariance = fit.joined(effect, variance)
+            gain = best @ np.linalg.solve(covariance, best)
+            evidence = 0.5 * (gain + np.linalg.slogdet(covariance)[1] - np.log(variance))
             posteriors.append((weight + evidence, best, covariance))
     weights = np.array([weight for weight, _, _ in posteriors])
     counts = rng.multinomial(DRAWS, np.exp(weights - logsumexp(weights)))

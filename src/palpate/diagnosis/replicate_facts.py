@@ -17,12 +17,10 @@ import numpy as np
 from scipy.special import stdtrit
 
 from indentation_files.correlated_errors import Series, shared_coefficient
-from indentation_files.recording import Recording
 from palpate.base import small_samples
-from palpate.configuration.condition import Condition
 from palpate.data.observation import Observation
 from palpate.diagnosis.fact import Fact
-from palpate.diagnosis.scaling_facts import level
+from palpate.diagnosis.scaling_facts import Test, level
 from palpate.mechanisms import MECHANISMS
 
 SCATTER = {
@@ -67,7 +65,7 @@ def _coefficients(time: np.ndarray, difference: np.ndarray, depth: np.ndarray) -
     return values, deviations
 
 
-def trend(tests: Sequence[tuple[Condition, Sequence[Recording]]]) -> list[Fact]:
+def trend(tests: Sequence[Test]) -> list[Fact]:
     """Return by what share of the depth replicates change from one test to the next.
 
     Their order is that of ``# test_number: N``, where all have one, else that of the recordings of each condition.

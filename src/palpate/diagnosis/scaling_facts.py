@@ -19,19 +19,19 @@ import numpy as np
 
 from indentation_files.recording import Recording
 from palpate.base import small_samples
+from palpate.classical.frame import FEWEST, SPAN
 from palpate.configuration.condition import Condition
 from palpate.diagnosis.fact import Fact
 from palpate.mechanisms import Assumption, breaking
 from palpate.study.protocol import Protocol
 
+Test = tuple[Condition, Sequence[Recording]]
 LENGTHS = ("tip_rounding", "film_on_substrate", "size_effect", "adhesion", "skin")
 INSTRUMENT = ("frame_compliance", "mount_compliance", "thermal_drift", "nonsteady_drift")
 OF_LEVELS = ("zero_offset", *INSTRUMENT, *LENGTHS)
 OF_TOPS = ("frame_compliance", *breaking(Assumption.UNIFORM, Assumption.ONE_COMPLIANCE, Assumption.NO_DRIFT))
 ALIKE = 0.02  # of the largest load, and of the duration, by which histories of one shape differ; chosen
 APART = 1.5  # least ratio of loads that are compared
-SPAN = 3.0  # the same for a frame, as in `palpate.classical.frame`
-FEWEST = 4  # unloadings of a frame: the same
 GRID = 200  # times at which histories are compared, and loads at which a rise is taken
 LOADED = 0.3  # of the largest load, from which depth / sqrt(load) is averaged
 RISE = 0.1  # of the largest load, from which a slope is taken
@@ -39,17 +39,11 @@ TOP = (0.95, 0.5)  # of the load, the part of an unloading that gives its slope
 POINTS = 5  # of an unloading there, at least
 
 
-def facts(tests: Sequence[tuple[Condition, Sequence[Recording]]], site_scatter: float, creeping: bool) -> list[Fact]:
-    """Return what tests under a sharp tip show.
+def facts(tests: Sequence[Test], site_scatter: float, creeping: bool) -> list[Fact]:
+    """Return what tests under a sharp tip show: conditions under load control with recordings from contact on.
 
-    Parameters
-    ----------
-    tests
-        Conditions under load control with their recordings, from contact on.
-    site_scatter
-        Assumed scatter of the depth between sites, where a test was not repeated [-].
-    creeping
-        Whether the material creeps, so that the slope changes along loading without any effect.
+    Where a test was not repeated, `site_scatter` is assumed for the depth [-]. The slope of a `creeping` material
+    changes along loading without any effect.
     """
     found = []
     for group in alike(tests):
@@ -62,11 +56,9 @@ def facts(tests: Sequence[tuple[Condition, Sequence[Recording]]], site_scatter: 
     return found
 
 
-def alike(
-    tests: Sequence[tuple[Condition, Sequence[Recording]]],
-) -> list[list[tuple[Condition, Sequence[Recording]]]]:
+def alike(tests: Sequence[Test]) -> list[list[Test]]:
     """Return tests in groups of one normalised load history and duration, each by increasing load."""
-    groups: list[list[tuple[Condition, Sequence[Recording]]]] = []
+    groups: list[list[Test]] = []
     for test in tests:
         if not test[0].observable.is_depth:
             continue
@@ -122,15 +114,13 @@ def unloading_compliance(protocol: Protocol, recording: Recording) -> float:
     return float(np.polyfit(recording.load[inside], recording.depth[inside], 1)[0])
 
 
-def of_each(measure: Callable[[Protocol, Recording], float], test: tuple[Condition, Sequence[Recording]]) -> np.ndarray:
+def of_each(measure: Callable[[Protocol, Recording], float], test: Test) -> np.ndarray:
     """Return a number of each recording (m,) that gives it."""
     values = np.array([measure(test[0].protocol, recording) for recording in test[1]])
     return values[np.isfinite(values)]
 
 
-def _of_pair(
-    low: tuple[Condition, Sequence[Recording]], high: tuple[Condition, Sequence[Recording]], site_scatter: float
-) -> list[Fact]:
+def _of_pair(low: Test, high: Test, site_scatter: float) -> list[Fact]:
     names, found = f"{high[0].name} over {low[0].name}", []
     first, second = of_each(level, low), of_each(level, high)
     if len(first) and len(second):
@@ -144,7 +134,7 @@ def _of_pair(
     return found
 
 
-def _along_loading(test: tuple[Condition, Sequence[Recording]], creeping: bool) -> list[Fact]:
+def _along_loading(test: Test, creeping: bool) -> list[Fact]:
     values = of_each(slope_change, test)
     if len(values) < 2:
         return []
@@ -152,7 +142,7 @@ def _along_loading(test: tuple[Condition, Sequence[Recording]], creeping: bool) 
     return [Fact(text, *small_samples.mean(values), "-", (*INSTRUMENT, *LENGTHS), None if creeping else 0.0)]
 
 
-def _frame(group: Sequence[tuple[Condition, Sequence[Recording]]]) -> list[Fact]:
+def _frame(group: Sequence[Test]) -> list[Fact]:
     """Return the compliance of a frame from unloadings at several loads: the slope of C sqrt(P) over sqrt(P)."""
     values = [(test[0].protocol.max_load, value) for test in group for value in of_each(unloading_compliance, test)]
     if len(values) < FEWEST:

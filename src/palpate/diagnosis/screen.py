@@ -93,8 +93,8 @@ class Screen:
         columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
         own = np.empty((len(fit.residual), 0))
         if MECHANISMS[key].varies:
-            own = fit.problem.effects_by_test(key)
-            own = own * self._typical(fit, key)
+            sizes = [fit.problem.typical_size(amplitude) for amplitude in fit.problem.typical(key)]
+            own = fit.problem.effects_by_test(key) * np.tile(sizes, len(fit.problem.conditions))
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
         found = []
@@ -134,11 +134,6 @@ class Screen:
             (typical,) = coordinates.cauchy_sizes
             return [[(float(weight), (size * typical / each) ** 2) for weight, size in parts] for each in away]
         return [[(0.0, (max(start, 1.0 - start) / each) ** 2 / 3.0)] for each in away]
-
-    def _typical(self, fit: Fit, key: str) -> np.ndarray:
-        """Return the size (m,) of the columns of `Problem.effects_by_test`: the typical one of an amplitude."""
-        sizes = [fit.problem.typical_size(amplitude) for amplitude in fit.problem.typical(key)]
-        return np.tile(sizes, len(fit.problem.conditions))
 
     def with_effect(self, fit: Fit, key: str) -> Fit:
         """Return a fit with a mechanism's effect of largest gain added to its curves, to first order in all else."""
@@ -199,22 +194,16 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
         start[where] = [problem.coordinates(explanation).free[k].scaled(0.0) for k in where]
         amplitudes = Amplitude.of(key, problem.amplitudes(explanation, start)[key])
         columns = [problem.unit_effects(a) * problem.quantity(explanation, start, str(a))[1] for a in amplitudes]
-        design = fit.whiten(np.column_stack([fit.tangent, *columns]))
-        precision = design.T @ design + np.eye(design.shape[1]) / PRIOR_VARIANCE
-        change = np.linalg.solve(precision, design.T @ fit.white)
+        change, covariance = fit.joined(np.column_stack(columns), np.full(len(columns), PRIOR_VARIANCE))
         none = np.append(fit.z, start[material:])
         start[where] += change[len(fit.z) :]
         moved = fit.z + np.clip(change[: len(fit.z)], -0.5, 0.5)
-        found.append((-float(change @ design.T @ fit.white), np.append(moved, start[material:])))
+        gain = float(change @ np.linalg.solve(covariance, change))
+        found.append((-gain, np.append(moved, start[material:])))
     return [start for _, start in sorted(found, key=lambda each: each[0])[:STARTS]] + [none]
 
 
-def count_of_trials(problem: Problem, key: str) -> int:
-    """Return the number of amplitudes at which a mechanism is screened."""
-    return len(_places(problem, key))
-
-
-def _places(problem: Problem, key: str) -> np.ndarray:
+def screened_places(problem: Problem, key: str) -> np.ndarray:
     """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated."""
     dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
@@ -228,7 +217,7 @@ def _added(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates (m, d) of a mechanism, and what it adds to the depths of all conditions (m, n_all) [nm]."""
     problem, effects = fit.problem, []
     curves = problem.split(fit.curve)
-    places = _places(problem, key)
+    places = screened_places(problem, key)
     for place in places:
         values = problem.amplitudes((key,), np.append(fit.z[: problem.material], place))
         added = [added_by_instrument(values, c.protocol, curves[c.name], c.order) for c in problem.conditions]
@@ -245,10 +234,9 @@ def _simulated(fit: Fit, key: str) -> tuple[np.ndarray, np.ndarray]:
         When it fails at all of them.
     """
     problem = fit.problem
-    places = _places(problem, key)
+    places = screened_places(problem, key)
     outcomes = problem.model((key,)).curves([np.append(fit.z, place) for place in places])
-    good = [number for number, curves in enumerate(outcomes) if not isinstance(curves, str)]
-    if not good:
+    good = [not isinstance(curves, str) for curves in outcomes]
+    if not any(good):
         raise PalpateError(str(outcomes[0]))
-    curves = [curve for curve in outcomes if not isinstance(curve, str)]
-    return places[good], np.array([problem.stacked(curve) - fit.curve for curve in curves])
+    return places[good], np.array([problem.stacked(each) - fit.curve for each in outcomes if not isinstance(each, str)])

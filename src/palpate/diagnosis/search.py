@@ -16,6 +16,7 @@ from scipy.optimize import minimize_scalar
 from palpate.configuration.study_file import Study
 from palpate.diagnosis.constraints import contradicted
 from palpate.diagnosis.detect import examine
+from palpate.diagnosis.locate import with_tolerable_law
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.screen import Screen
 from palpate.errors import PalpateError
@@ -25,14 +26,13 @@ from palpate.inference.covariance import noise_of
 from palpate.inference.explanation import Fit
 from palpate.inference.fitting import Fitter
 from palpate.inference.last_steps import on_finer_meshes, with_finer_curves
+from palpate.inference.posterior import posterior_draws
 from palpate.inference.problem import Explanation, Problem
 from palpate.inference.starting_places import scattered
 from palpate.mechanisms import MECHANISMS
 
 SPREAD = np.linspace(0.0, 1.0, 13)  # places in the range of a parameter, of which the likeliest is refined
 CLOSE = {"xatol": 0.01}  # of the range
-
-LawsBeside = Callable[[Fit], Sequence[AmplitudeConstraint]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +57,11 @@ class Candidate:
     def p_value(self) -> float:
         """Of what it leaves being noise, error of the mesh and a tolerable discrepancy of the law."""
         return self.examined(self.fit)
+
+    @cached_property
+    def draws(self) -> np.ndarray:
+        """Draws (m, k) from its posterior, see `palpate.inference.posterior`."""
+        return posterior_draws(self.fit)
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -102,7 +107,7 @@ class Search:
         keys: Sequence[str],
         rng: np.random.Generator,
         calibrated: Mapping[str, float] | None = None,
-        laws: LawsBeside | None = None,
+        laws: Callable[[Fit], Sequence[AmplitudeConstraint]] | None = None,
         policy: SearchPolicy | None = None,
     ):
         self.study = study
@@ -113,7 +118,7 @@ class Search:
         self._shown_by_replicates: dict[str, tuple[float, tuple[Amplitude, ...]]] = {}
         known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
         base = self._fitter.base(known or scattered(problem.material, self._fitter.policy, rng))
-        if self.explains(base):
+        if self._fitter.explains(base):
             base = on_finer_meshes(self._fitter, base)
         elif base.errors.law is None:
             base = with_finer_curves(self._fitter, base)
@@ -140,7 +145,7 @@ class Search:
         model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
         middle = np.where(fit.coordinates.beyond(fit.z) == 0.0, fit.z, 0.5)
         places, outside = [self._starts(fit, key)], self._ends_outside(fit)
-        if not self.explains(fit):
+        if not self._fitter.explains(fit):
             places.insert(0 if outside else 1, [np.append(middle, self.screen.place_shown(key))])
         found, failed, reach = list[Fit](), "", self._reach(fit, key)
         for starts in places:
@@ -177,7 +182,7 @@ class Search:
         the amplitudes there.
         """
         if key not in self._shown_by_replicates:
-            problem, scatter = self.problem, self.study.calibration.site_scatter
+            problem = self.problem
             coordinate = problem.coordinates((key,)).free[problem.place((key,), _beside(key))]
             name = _beside(key).split(".")[1]
 
@@ -185,7 +190,7 @@ class Search:
                 return Amplitude.of(key, {**MECHANISMS[key].neutral, name: float(coordinate.physical(place))})
 
             def unlikely(place: float) -> float:
-                return -noise_of(problem, amplitudes(place), problem.mean, scatter).log_likelihood
+                return -self._noise_log_likelihood(problem.mean, amplitudes(place))
 
             best = min(SPREAD, key=unlikely)
             step = float(SPREAD[1] - SPREAD[0])
@@ -218,10 +223,6 @@ class Search:
             return candidate
         return self.candidate(again) if again.log_evidence > fit.log_evidence else candidate
 
-    def explains(self, fit: Fit) -> bool:
-        """See `palpate.inference.fitting.Fitter.explains`."""
-        return self._fitter.explains(fit)
-
     def neighbours(self, fit: Fit) -> list[Fit]:
         """Return a nearly adequate fit without each of its mechanisms in turn, at its coordinates."""
         problem, found = self.problem, []
@@ -241,14 +242,9 @@ class Search:
 
     def _p_value(self, fit: Fit) -> float:
         """Test what a fit leaves, with the same draws for all."""
-        draws, scatter = self.study.diagnosis.bootstrap, self.study.calibration.site_scatter
-        law = fit.errors.law
-        if law and law.share > self.study.diagnosis.tolerance:
-            fit = replace(
-                fit,
-                errors=replace(fit.errors, law=law.sized(replace(law.size, share=self.study.diagnosis.tolerance))),
-            )
-        return examine(fit, self.screen, np.random.default_rng([self.study.seed, 2]), draws, scatter)
+        settings, scatter = self.study.diagnosis, self.study.calibration.site_scatter
+        rng, tolerable = np.random.default_rng([self.study.seed, 2]), with_tolerable_law(fit, settings.tolerance)
+        return examine(tolerable, self.screen, rng, settings.bootstrap, scatter)
 
     def log_evidence(self, fit: Fit, key: str) -> float:
         """Return the log evidence once a mechanism joins a fit, to first order.
@@ -259,10 +255,8 @@ class Search:
         problem, mechanism = self.problem, MECHANISMS[key]
         found = self.screen.log_evidence(fit, key)
         if mechanism.varies and problem.replicated:
-            scatter = self.study.calibration.site_scatter
             own = self._by_replicates(key)[1] if mechanism.averages_out else problem.typical(key)
-            wider, usual = (noise_of(problem, each, fit.residual, scatter).log_likelihood for each in (own, ()))
-            found += wider - usual
+            found += self._noise_log_likelihood(fit.residual, own) - self._noise_log_likelihood(fit.residual)
         broken = [not law.holds_under((*fit.explanation, key)) for law in fit.constraints]
         about = [law.key in (key, *mechanism.includes) for law in fit.constraints]
         return found + 0.5 * float(fit.constraint_misfits @ np.logical_or(broken, about))
@@ -274,22 +268,24 @@ class Search:
         mechanisms are added to the base model as long as one more raises the log-likelihood of the residual by more
         than its penalty.
         """
-        fitter, likeliest, best = self._fitter, base, self._residual_log_likelihood(base.residual)
+        fitter, likeliest, best = self._fitter, base, self._noise_log_likelihood(base.residual)
         for _ in range(self.study.diagnosis.largest_set):
             fitter.use_residual_as_noise(likeliest.residual)
             weighed = fitter.errors((), likeliest.model, likeliest.z, likeliest.curve)
             likeliest = replace(likeliest, errors=weighed)
             wider = [self.screen.with_effect(likeliest, key) for key in self.screen.keys]
-            likely = [self._residual_log_likelihood(fit.residual) - self.policy.mechanism_penalty for fit in wider]
-            if max(likely, default=-np.inf) <= best:
+            likely = [self._noise_log_likelihood(fit.residual) for fit in wider]
+            if max(likely, default=-np.inf) - self.policy.mechanism_penalty <= best:
                 break
-            likeliest = wider[int(np.argmax(likely))]
-            best = self._residual_log_likelihood(likeliest.residual)
+            likeliest, best = wider[int(np.argmax(likely))], max(likely)
         fitter.use_residual_as_noise(likeliest.residual)
 
-    def _residual_log_likelihood(self, residual: np.ndarray) -> float:
-        """Return the log-likelihood of a residual (n_all,) as noise, less slow trends."""
-        return noise_of(self.problem, (), residual, self.study.calibration.site_scatter).log_likelihood
+    def _noise_log_likelihood(self, residual: np.ndarray, own: tuple[Amplitude, ...] = ()) -> float:
+        """Return the log-likelihood of replicates, or of a residual (n_all,) less slow trends, as noise.
+
+        Each recording has amplitudes of its `own`.
+        """
+        return noise_of(self.problem, own, residual, self.study.calibration.site_scatter).log_likelihood
 
 
 def _beside(key: str) -> str:

@@ -19,14 +19,9 @@ from palpate.inference.explanation import Fit
 
 @dataclass(frozen=True, eq=False)
 class ExplanationToTry:
-    """An explanation that may be fitted.
+    """An explanation that may be fitted: a smaller `fit` that a mechanism, `key`, joins.
 
-    Parameters
-    ----------
-    fit, key
-        The smaller explanation, and the mechanism that joins it.
-    log_evidence
-        To first order.
+    Its `log_evidence` is that to first order.
     """
 
     fit: Fit
@@ -40,13 +35,7 @@ class ExplanationToTry:
 
 
 class ParallelFits:
-    """Fits of explanations, some begun before they are asked for.
-
-    Parameters
-    ----------
-    search
-        Fits them, on `SearchPolicy.threads` threads.
-    """
+    """Fits of explanations by a search, on `SearchPolicy.threads` threads, some begun before they are asked for."""
 
     def __init__(self, search: Search):
         self.search, self._pool = search, ThreadPoolExecutor(search.policy.threads)
@@ -61,14 +50,7 @@ class ParallelFits:
         self._pool.shutdown(cancel_futures=True)
 
     def fitted(self, chosen: ExplanationToTry, likely: Sequence[ExplanationToTry]) -> Fit:
-        """Fit an explanation.
-
-        Parameters
-        ----------
-        chosen
-            The explanation.
-        likely
-            Those that may be asked for next, the most likely first; they are begun where there are threads for them.
+        """Fit the `chosen` explanation; the most `likely` next ones are begun where there are threads for them.
 
         Raises
         ------

@@ -14,10 +14,9 @@ from palpate.base.threads import on_one_thread
 from palpate.configuration.study_file import Study
 from palpate.data.study_recordings import check, resampled
 from palpate.diagnosis.candidates import candidates
-from palpate.diagnosis.constraints import zero_points
+from palpate.diagnosis.constraints import ExactLaws, zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
-from palpate.diagnosis.exact_constraints import ExactLaws
 from palpate.diagnosis.model_free import model_free
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
@@ -28,8 +27,6 @@ from palpate.inference.problem import Problem
 from palpate.models.own_loads import raise_failure
 from palpate.solver.study_scale import with_contact_sought
 
-OWN_LOADS = "tests under loads of their own are compared with the help of the calibrated material"
-
 
 def run_diagnosis(
     study: Study,
@@ -38,26 +35,7 @@ def run_diagnosis(
     report: Callable[[str], None] = print,
     threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Diagnose one set of recordings.
-
-    Parameters
-    ----------
-    study
-        The study.
-    recordings
-        Name of the set of recordings.
-    report
-        Called with one line on the progress.
-    calibrated
-        Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
-    threads
-        Fits that run at once, each on a core; what is found does not depend on it.
-
-    Returns
-    -------
-    content, curves
-        What `diagnosis.json` holds, and the curves before and after beside the recorded ones.
-    """
+    """Diagnose the set of `recordings` of this name, see `diagnosed`."""
     content, curves = diagnosed(study, check(study, recordings), calibrated, report, threads)
     return content | {"recordings": recordings}, curves
 
@@ -70,14 +48,25 @@ def diagnosed(
     report: Callable[[str], None] = print,
     threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Diagnose recordings that are checked already, by their conditions; arguments and result as `run_diagnosis`.
+    """Diagnose recordings that are checked already.
 
     Parameters
     ----------
+    study
+        The study.
     recorded
-        Checked recordings of each condition, from contact on.
-    study, calibrated, report, threads
-        See `run_diagnosis`.
+        Recordings of each condition, from contact on.
+    calibrated
+        Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
+    report
+        Called with one line on the progress.
+    threads
+        Fits that run at once, each on a core; what is found does not depend on it.
+
+    Returns
+    -------
+    content, curves
+        What `diagnosis.json` holds, and the curves before and after beside the recorded ones.
 
     Raises
     ------
@@ -89,29 +78,27 @@ def diagnosed(
     rng = np.random.default_rng([study.seed, 1])
     problem = Problem.of(study, resampled(study, recorded))
     if calibrated is None and any(item.own for item in problem.recorded.values()):
-        raise InputError(OWN_LOADS, remedy="calibrate first, and give its parameters", place="calibrated")
+        reason = "tests under loads of their own are compared with the help of the calibrated material"
+        raise InputError(reason, remedy="calibrate first, and give its parameters", place="calibrated")
     problem = problem.at_one_load(calibrated or {}, raise_failure)
     tests = [test for c in study.calibrated for test in recorded[c.name]]
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
     counted = {c.name: [*map(c.counted, recorded[c.name])] for c in study.conditions if not c.part_of}
     pressed = {c.name: counted[c.name] for c in study.conditions if c.name in counted and c.observable.is_depth}
     exact = ExactLaws(study, pressed)
-    search = Search(
-        study, problem, list(candidates(study)), rng, calibrated, exact.beside, SearchPolicy(threads=threads)
-    )
+    keys, policy = list(candidates(study)), SearchPolicy(threads=threads)
+    search = Search(study, problem, keys, rng, calibrated, exact.beside, policy)
     found = diagnose(search, report)
     own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
     content, curves = to_mapping(study, problem.observed, found, rng, search.screen, own_laws)
-    best = found.accepted[0] if found.accepted else found.base
-    explained = found.verdict != "unexplained"
-    content["undetected_effects"] = undetected_effects(best.fit, search.screen.keys) if explained else {}
-    content["joint_intervals"] = joint_intervals(best.fit, search.screen) if explained else {}
-    content["limits"] += wide_intervals(best.fit, content["joint_intervals"])
+    best, explained = found.best.fit, found.verdict != "unexplained"
+    content["undetected_effects"] = undetected_effects(best, search.screen.keys) if explained else {}
+    content["joint_intervals"] = joint_intervals(best, search.screen) if explained else {}
+    content["limits"] += wide_intervals(best, content["joint_intervals"])
     content["study"] = study.name
     content["model_free"] = [fact.row() for fact in model_free(study, counted, problem.observed)]
     laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]
     following = [c.name for c in study.conditions if c.follows and study.tip_of(c).shape != "sphere"]
-    measured = {name: pressed[name] for name in following if name in pressed}
-    content["zero_points"] = zero_points(measured, laws)
+    content["zero_points"] = zero_points({name: pressed[name] for name in following if name in pressed}, laws)
     return content | {"sentence": sentence(content)}, curves

@@ -7,7 +7,6 @@ from typing import Any
 
 from palpate.base.parameters import Parameter, in_words
 from palpate.base.rounding import interval_with_unit, percent
-from palpate.diagnosis import missing_physics
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS, Mechanism
 
@@ -21,14 +20,14 @@ def sentence(content: Mapping[str, Any]) -> str:
     verdict, law = content["verdict"], _law(content)
     if verdict == "adequate":
         claim = "The base model describes the recordings; no effect of the library is needed beside it."
-        if content["nothing_further"]["probability"] < LIKELIER:
+        if effect_is_likelier(content["nothing_further"]):
             claim = "The base model may describe the recordings alone, but an effect beside it is likelier."
         elif content["law_within_tolerance"] is not True:
             claim = "No effect of the library is certain, nor that the base model describes the recordings without one."
         return f"{claim}{law}{_open(content)}{_next_test(content, _hidden(content))}"
     if verdict == "unexplained":
         claim = "No set of known mechanisms that was tried describes the recordings: something else is missing."
-        return f"{claim}{law}{_nearest(content)}{missing_physics.in_words(content['missing'])}"
+        return f"{claim}{law}{_nearest(content)}{_missing(content['missing'])}"
     where = _where(content)
     start = f"The base model misses the recordings{where}." if where else "The base model alone is improbable."
     if verdict == "identified":
@@ -45,6 +44,11 @@ def sentence(content: Mapping[str, Any]) -> str:
     return f"{start} {names}.{_in_all(content)}{law}{_next_test(content, 'the first two')}"
 
 
+def effect_is_likelier(further: Mapping[str, Any]) -> bool:
+    """Return whether an effect beside an adequate base model is likelier than none, by ``nothing_further``."""
+    return bool(further["probability"] < LIKELIER)
+
+
 CLASS_IN_WORDS = {
     "scaling": "alike at all loads, as the law of the material is",
     "length": "different at different loads, as what has a length is",
@@ -53,20 +57,24 @@ CLASS_IN_WORDS = {
 }
 
 
+def share_in_words(found: Mapping[str, Any]) -> str:
+    """Return the size of a discrepancy of the law with its interval."""
+    estimate, lower, upper = (100.0 * found[key] for key in ("share", "lower", "upper"))
+    return interval_with_unit({"estimate": estimate, "lower": lower, "upper": upper, "unit": "% of the depth"})
+
+
 def _law(content: Mapping[str, Any]) -> str:
     """Return how far the law is off, and what that resembles."""
     found = content["discrepancy"]
     if found is None:
         return ""
-    share = {key: 100 * found[key] for key in ("share", "lower", "upper")}
-    size = interval_with_unit({"estimate": share["share"], **share, "unit": "% of the depth"})
     alike = f", {CLASS_IN_WORDS[found['class']]}" if found["class"] in CLASS_IN_WORDS else ""
     within = {
         True: "",
         False: "; that is more than the tolerance of the study",
         "undecided": "; whether that is within the tolerance of the study is undecided",
     }[content["law_within_tolerance"]]
-    return f" What is left departs from the law by {size}{alike}{within}."
+    return f" What is left departs from the law by {share_in_words(found)}{alike}{within}."
 
 
 def _open(content: Mapping[str, Any]) -> str:
@@ -152,6 +160,36 @@ def _nearest(content: Mapping[str, Any]) -> str:
         values = (f"{p.name.replace('_', ' ')} {_amount(value, p)}" for p, value in found)
         claims.append(f"{mechanism.title} ({', '.join(values)})")
     return f" The closest is {' with '.join(claims)}."
+
+
+CHANGES = {
+    ("loading", True): "make the body softer {part}in loading",
+    ("loading", False): "make the body stiffer {part}in loading",
+    ("hold", True): "let it creep more {part}in the hold",
+    ("hold", False): "let it creep less {part}in the hold",
+    ("unloading", True): "let it recover less {part}in unloading",
+    ("unloading", False): "let it recover more {part}in unloading",
+}
+
+
+def _missing(content: Mapping[str, Any]) -> str:
+    """Return what the missing physics would have to change, most significant first; only significant parts count."""
+    changes: dict[str, str] = {}
+    for row in content["location"]:
+        if row["q_value"] < CERTAIN and row["segment"] not in changes:
+            part = "" if row["part"] == "whole" else f"{row['part']} "
+            change = CHANGES[row["segment"], row["residual_nm"] > 0.0].format(part=part)
+            changes[row["segment"]] = f"{change} of {row['condition']} ({row['residual_nm']:+.2g} nm)"
+    if not changes:
+        return ""
+    *others, last = changes.values()
+    text = f" What is missing would have to {', '.join(others)}{' and ' if others else ''}{last}"
+    for trend in content["trends"]:
+        if trend["p_value"] < CERTAIN:
+            ends = f"{trend['from']:.3g} to {trend['to']:.3g} {trend['unit']}"
+            change = f"{trend['residual_from']:+.1%} to {trend['residual_to']:+.1%} of the depth"
+            text += f"; from a {trend['by']} of {ends} the difference goes from {change}"
+    return f"{text}."
 
 
 def _in_all(content: Mapping[str, Any]) -> str:

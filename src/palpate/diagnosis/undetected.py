@@ -32,16 +32,10 @@ COARSE = 0.01  # of the largest depth, above which what an amplitude leaves unce
 
 @dataclass(frozen=True, eq=False)
 class Extra:
-    """An effect that joins an explanation in proportion to a coefficient.
+    """An effect that joins an explanation in proportion to a coefficient of a prior `variance`.
 
-    Parameters
-    ----------
-    key, name
-        Its mechanism, and the amplitude ``key.name``, or the key again where it is no amplitude.
-    column : ndarray, shape (n_all,)
-        What one unit adds to the depth [nm].
-    variance
-        Prior variance of the coefficient.
+    It is that of a mechanism, `key`, by its amplitude `name` (``key.name``; the key again where it is no amplitude).
+    One unit adds a `column` (n_all,) to the depth [nm].
     """
 
     key: str
@@ -54,14 +48,8 @@ class Extra:
 class Joined:
     """All coordinates when effects join: those of the explanation, then the coefficients of the effects.
 
-    Parameters
-    ----------
-    design : ndarray, shape (n_all, k)
-        What one unit of each adds to the depth [nm].
-    change : ndarray, shape (k,)
-        From the best point.
-    covariance : ndarray, shape (k, k)
-        Were the noise known.
+    One unit of each adds a column of the `design` (n_all, k) to the depth [nm]. From the best point they `change` (k,),
+    with a `covariance` (k, k), were the noise known.
     """
 
     design: np.ndarray

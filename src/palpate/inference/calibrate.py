@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.base.threads import on_one_thread
 from palpate.configuration.settings import CalibrationSettings
-from palpate.data.measures import check_indents
+from palpate.data.measures import check_indents, root_mean_square
 from palpate.errors import PalpateError
 from palpate.inference.calibration_result import MOST_MISFIT, CalibrationOutcome
 from palpate.inference.estimates import (
@@ -86,7 +86,7 @@ def calibrate(
     first = genetic_search(model, fitted, rng, settings)
     report(f"genetic search: {first.evaluations} evaluations")
     problem, fit = base_fit(problem, settings, [*begin, *first.starts], rng, report)
-    report(f"least squares: root mean square {float(np.sqrt(np.mean(fit.residual**2))):.4g} nm")
+    report(f"least squares: root mean square {root_mean_square(fit.residual):.4g} nm")
     found, solved = intervals(fit), _simulated(problem, fit, report)
     table = condition_errors(problem.recorded, solved)
     weighable = not problem.replicated or fit.misfit_ratio < MOST_MISFIT

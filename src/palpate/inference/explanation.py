@@ -73,10 +73,9 @@ class Fit:
     def everywhere(self) -> dict[str, np.ndarray | str]:
         """Curves (n_points,) under every condition that was tested [nm], or why the forward model failed there."""
         others = [name for name in self.problem.observed if name not in self.problem.names]
-        found: dict[str, np.ndarray | str] = {**self.problem.split(self.curve)}
-        for name, curve in under_each(self.model, others, self.z).items():
-            found[name] = curve if isinstance(curve, str) else self.problem.nm[name] * curve
-        return found
+        found, nm = under_each(self.model, others, self.z), self.problem.nm
+        there = {name: curve if isinstance(curve, str) else nm[name] * curve for name, curve in found.items()}
+        return {**self.problem.split(self.curve), **there}
 
     @cached_property
     def factor(self) -> np.ndarray:
@@ -107,9 +106,8 @@ class Fit:
         if self.problem.replicated:
             return np.zeros((len(self.residual), len(self.residual)))
         errors = self.with_remainder.errors
-        variance = errors.noise.variances["site"]
         parts = zip(errors.components, errors.counts, strict=True)
-        sites = block_diag(*(variance / count * part["site"] for part, count in parts))
+        sites = block_diag(*(errors.noise.variances["site"] / count * part["site"] for part, count in parts))
         return np.linalg.solve(errors.covariance, sites).T
 
     @cached_property
@@ -148,20 +146,15 @@ class Fit:
         return own**2 + widenings(self.constraints, self.explanation)
 
     @cached_property
-    def bulk_misfit(self) -> float:
-        """Chi-square of the uniaxial tests that calibrate."""
-        return float(np.sum(self.problem.bulk_departures(self.explanation, self.z) ** 2))
-
-    @cached_property
     def constraint_tangent(self) -> np.ndarray:
         """Slope (m + b, k) of the departures from the constraints and from uniaxial tests."""
         return central_slopes(self.from_constraints, self.z)
 
-    @property
+    @cached_property
     def misfit(self) -> float:
         """Chi-square of curves and uniaxial tests, what constraints add, and that of the prior outside the ranges."""
-        beyond = self.coordinates.beyond(self.z)
-        return float(self.white @ self.white + self.constraint_misfits.sum() + self.bulk_misfit + beyond @ beyond)
+        beyond, bulk = self.coordinates.beyond(self.z), self.problem.bulk_departures(self.explanation, self.z)
+        return float(self.white @ self.white + self.constraint_misfits.sum() + bulk @ bulk + beyond @ beyond)
 
     @property
     def misfit_ratio(self) -> float:
@@ -185,17 +178,22 @@ class Fit:
         Where the fit leaves more than the errors, the information of the curves is divided by the misfit ratio
         (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
         """
-        information = self._information_of_curves / max(self.misfit_ratio, 1.0) + self._information_of_constraints
+        white, constrained = self.whiten(self.tangent), self.constraint_tangent
+        information = white.T @ white / max(self.misfit_ratio, 1.0) + constrained.T @ constrained
         return np.linalg.inv(information + np.eye(len(self.z)) / PRIOR_VARIANCE)
 
-    @cached_property
-    def _information_of_curves(self) -> np.ndarray:
-        white = self.whiten(self.tangent)
-        return white.T @ white
+    def joined(
+        self, effects: np.ndarray, prior: np.ndarray | float, own: float = PRIOR_VARIANCE
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the change (k + m,) of all coordinates to first order if effects join, and its covariance.
 
-    @property
-    def _information_of_constraints(self) -> np.ndarray:
-        return self.constraint_tangent.T @ self.constraint_tangent
+        One unit of each adds a column (n_all, m) to the depth [nm]. Their coefficients have `prior` variances (m,), the
+        fit's coordinates that of `own`; constraints do not count.
+        """
+        white = self.whiten(np.column_stack([self.tangent, effects]))
+        variances = np.append(np.full(len(self.z), own), prior)
+        covariance = np.linalg.inv(white.T @ white + np.diag(1.0 / variances))
+        return covariance @ white.T @ self.white, covariance
 
     def marginal(self, columns: np.ndarray) -> Marginal:
         """Return the products of columns (n_all, c) for every size of the law's discrepancy.
@@ -233,8 +231,7 @@ class Fit:
         if self.errors.law is None:
             return self
         marginal, density = self._sizes
-        likeliest = int(np.argmax(density))
-        law = self.errors.law.sized(marginal.sizes[likeliest])
+        law = self.errors.law.sized(marginal.sizes[int(np.argmax(density))])
         return replace(self, errors=replace(self.errors, law=law))
 
     def alike(self, other: Fit) -> bool:

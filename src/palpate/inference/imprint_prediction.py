@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.data.measures import root_mean_square
 from palpate.errors import PalpateError
 from palpate.inference.explanation import Fit
 from palpate.models.imprints import residual_profile
@@ -27,7 +28,7 @@ def imprint_predictions(fit: Fit, report: Callable[[str], None]) -> dict[str, di
             report(f"imprint {profile.name} has no errors: {error}")
             continue
         predicted = np.interp(profile.radius, radius, height)
-        rmse = float(np.sqrt(np.mean((predicted - profile.height) ** 2)))
+        rmse = root_mean_square(predicted - profile.height)
         curve = {"radius_nm": profile.radius, "height_nm": profile.height, "predicted_nm": predicted}
         found[profile.name] = {
             "of": imprint.condition.name,

@@ -26,6 +26,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from palpate.data.measures import root_mean_square
 from palpate.errors import PalpateError
 from palpate.inference.least_squares import Misfit
 from palpate.inference.search_state import LARGEST_STEP, SearchState, Steps, StoppingCriteria
@@ -86,7 +87,7 @@ def descend(
                 search.hopeless = search.hopeless + 1 if _hopeless(misfit, search, until.reach) else 0
                 search.active = not search.given_up
         _advance(misfit, model, [search for search in going if search.active], until)
-        rms = {search: float(np.sqrt(np.mean(misfit.residual(search.curve) ** 2))) for search in searches}
+        rms = {search: root_mean_square(misfit.residual(search.curve)) for search in searches}
         least.append(min(rms.values()))
         for search in searches:
             stalled = len(search.gains) >= STALLED and sum(search.gains[-STALLED:]) < until.least_gain

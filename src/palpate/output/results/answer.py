@@ -8,6 +8,7 @@ from itertools import islice
 from typing import Any
 
 from palpate.base.rounding import interval_with_unit, percent, rounded
+from palpate.diagnosis.summary_text import share_in_words
 from palpate.inference.calibration_result import rmse
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS, quantity_in_words
@@ -195,8 +196,7 @@ class Answer:
         return f"{before} without the effects, {rounded(found['after_nm'], 2)} nm with them; {noise}"
 
     def _discrepancy(self, found: Mapping[str, Any]) -> str:
-        share, lower, upper = (100.0 * found[key] for key in ("share", "lower", "upper"))
-        text = interval_with_unit({"estimate": share, "lower": lower, "upper": upper, "unit": "% of the depth"})
+        text = share_in_words(found)
         if (kind := found.get("class")) and kind not in ("none", "undetermined"):
             text += f", of the class {kind}"
         if parts := found.get("parts"):

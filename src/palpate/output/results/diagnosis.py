@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from palpate.base.rounding import interval_of, interval_with_unit, percent
 from palpate.configuration.study_file import Study
-from palpate.diagnosis.summary_text import LIKELIER
+from palpate.diagnosis.summary_text import effect_is_likelier
 from palpate.mechanisms import MECHANISMS, quantity_in_words
 from palpate.output.figures import evidence, residuals
 from palpate.output.results.calibration import Calibration
@@ -257,13 +257,14 @@ class Diagnosis(Shown):
 
 
 def _of_adequate(further: Mapping[str, Any] | None) -> str:
-    """Return an adequate verdict in a few words, with the effect that is likelier than none, if one is."""
+    """Return an adequate verdict in a few words, with the likeliest effect where one is likelier than none."""
     if further is None or further["probability"] >= SETTLED:
         return "no effect is missing"
-    likeliest = max(further["hidden"], key=lambda each: each["probability"], default=None)
-    if likeliest is None or likeliest["probability"] < LIKELIER:
+    if not effect_is_likelier(further):
         return "no effect is needed"
-    return f"{MECHANISMS[likeliest['mechanism']].title} likely ({percent(likeliest['probability'])}), not certain"
+    likeliest = max(further["hidden"], key=lambda each: each["probability"])
+    title, probability = MECHANISMS[likeliest["mechanism"]].title, percent(likeliest["probability"])
+    return f"an effect is likelier than none, most likely {title} ({probability})"
 
 
 def titles_of(mechanisms: Sequence[str]) -> str:
