@@ -112,8 +112,8 @@ def test_series_are_told_apart_by_who_confuses_red_and_green():
 
 def test_the_map_of_misfits_says_what_is_significant(tmp_path):
     numbers = misfit_map.table(saved(tmp_path, diagnosis()))
-    assert "a dot and bold type mark q < 0.05" in misfit_map.caption(numbers)
-    assert "no part alone is significant" in misfit_map.caption(numbers.assign(q_value=1.0))
+    assert "A dot and bold type mark q < 0.05" in misfit_map.caption(numbers)
+    assert "No part alone is significant" in misfit_map.caption(numbers.assign(q_value=1.0))
     assert "-5.0 nm, early in the loading of 1 mN, 30 s" in misfit_map.seen(numbers)
 
 

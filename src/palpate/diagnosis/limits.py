@@ -65,8 +65,8 @@ def of_recordings(study: Study, problem: Problem) -> list[str]:
             mechanism.title for mechanism in MECHANISMS.values() if mechanism.unidentifiable_at_one_load
         )
         messages.append(
-            f"All tests reach the same largest {kinds.pop()}: a change of the material's parameters can have the same "
-            f"effect as {effects}."
+            f"All fitted tests reach the same largest {kinds.pop()}: a change of the material's parameters can have "
+            f"the same effect as {effects}."
         )
     if not any(item.role == "validate" for item in problem.observed.values()):
         messages.append("No condition was held out: the improvement cannot be checked on tests that were not fitted.")
@@ -92,8 +92,8 @@ def far_out(diagnosis: DiagnosisOutcome) -> list[str]:
         f"{quantity_in_words(each.name)} {value:.3g} ({each.lower:.3g} to {each.upper:.3g})" for each, value in found
     ]
     return [
-        "The likeliest values of some quantities lie outside the study's plausible ranges (keys parameters and "
-        f"diagnosis.ranges), which are given in parentheses: {', '.join(values)}."
+        "At the best point of the closest fit some quantities lie outside the study's plausible ranges (keys "
+        f"parameters and diagnosis.ranges), given in parentheses: {', '.join(values)}; the tables give medians."
     ]
 
 

@@ -16,7 +16,7 @@ from palpate.diagnosis.screen import Screen
 from palpate.inference.explanation import Fit
 from palpate.inference.posterior import DRAWS, draws_to_first_order
 
-LIKELY = 0.01  # probability of a set from which on its posterior is more than one to first order
+LIKELY = 0.2  # probability of a set from which on its posterior is more than one to first order, which costs seconds
 
 
 def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generator) -> np.ndarray:

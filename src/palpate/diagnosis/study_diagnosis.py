@@ -31,12 +31,12 @@ from palpate.solver.study_scale import with_contact_sought
 def run_diagnosis(
     study: Study,
     recordings: str,
-    calibrated: Mapping[str, float] | None = None,
+    calibration: Mapping[str, Any] | None = None,
     report: Callable[[str], None] = print,
     threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
     """Diagnose the set of `recordings` of this name, see `diagnosed`."""
-    content, curves = diagnosed(study, check(study, recordings), calibrated, report, threads)
+    content, curves = diagnosed(study, check(study, recordings), calibration, report, threads)
     return content | {"recordings": recordings}, curves
 
 
@@ -44,7 +44,7 @@ def run_diagnosis(
 def diagnosed(
     study: Study,
     recorded: Mapping[str, list[Recording]],
-    calibrated: Mapping[str, float] | None = None,
+    calibration: Mapping[str, Any] | None = None,
     report: Callable[[str], None] = print,
     threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
@@ -56,8 +56,9 @@ def diagnosed(
         The study.
     recorded
         Recordings of each condition, from contact on.
-    calibrated
-        Parameters of the calibrated base model, by name; by default it is searched for over the ranges.
+    calibration
+        Content of `calibration.json`, where the search begins and from which parameters and discrepancy of the base
+        model are repeated; by default the base model is searched for over the ranges.
     report
         Called with one line on the progress.
     threads
@@ -71,15 +72,16 @@ def diagnosed(
     Raises
     ------
     InputError
-        When tests have loads of their own, and no calibrated parameters are given.
+        When tests have loads of their own, and no calibration is given.
     PalpateError
         When such tests cannot be simulated with these, or the forward model fails wherever a search may begin.
     """
     rng = np.random.default_rng([study.seed, 1])
+    calibrated = {name: row["estimate"] for name, row in calibration["parameters"].items()} if calibration else None
     problem = Problem.of(study, resampled(study, recorded))
     if calibrated is None and any(item.own for item in problem.recorded.values()):
         reason = "tests under loads of their own are compared with the help of the calibrated material"
-        raise InputError(reason, remedy="calibrate first, and give its parameters", place="calibrated")
+        raise InputError(reason, remedy="calibrate first, and give its parameters", place="calibration")
     problem = problem.at_one_load(calibrated or {}, raise_failure)
     tests = [test for c in study.calibrated for test in recorded[c.name]]
     problem = replace(problem, scale=with_contact_sought(problem.scale, tests))
@@ -91,6 +93,9 @@ def diagnosed(
     found = diagnose(search, report)
     own_laws = exact.of_each() if any(candidate.fit.own for candidate in found.accepted) else None
     content, curves = to_mapping(study, problem.observed, found, rng, search.screen, own_laws)
+    if calibration:
+        content["discrepancy_base"] = calibration["discrepancy"]
+        content["parameters"] |= _as_calibrated(content, calibration["parameters"])
     best, explained = found.best.fit, found.verdict != "unexplained"
     content["undetected_effects"] = undetected_effects(best, search.screen.keys) if explained else {}
     content["joint_intervals"] = joint_intervals(best, search.screen) if explained else {}
@@ -102,3 +107,10 @@ def diagnosed(
     following = [c.name for c in study.conditions if c.follows and study.tip_of(c).shape != "sphere"]
     content["zero_points"] = zero_points({name: pressed[name] for name in following if name in pressed}, laws)
     return content | {"sentence": sentence(content)}, curves
+
+
+def _as_calibrated(content: Mapping[str, Any], parameters: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the parameters of the base model as they were calibrated: one number for one quantity in all files."""
+    keys = ("estimate", "lower", "upper", "identified")
+    before = {name: {key: parameters[name][key] for key in keys} for name in content["parameters"]["before"]}
+    return {"before": before} | ({} if content["candidates"] else {"after": before})

@@ -84,8 +84,8 @@ def _with_creep_at_once(fit: Fit, draws: np.ndarray, rng: np.random.Generator) -
 
 
 def draws_to_first_order(fit: Fit, rng: np.random.Generator) -> np.ndarray:
-    """Return draws (m, k) of the coordinates of an explanation that is not accepted, from linearised curves."""
-    return rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd")
+    """Return draws (m, k) of the coordinates of an explanation from linearised curves."""
+    return _with_creep_at_once(fit, rng.multivariate_normal(fit.z, fit.posterior, size=DRAWS, method="svd"), rng)
 
 
 @dataclass(frozen=True, eq=False)

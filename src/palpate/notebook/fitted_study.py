@@ -134,7 +134,7 @@ def diagnose(
         name, tests = given_tests(chosen, recordings)
         saved = replace(saved, name=name, tests=tests)
     by_condition = {name: list(tests) for name, tests in saved.tests.items()}
-    content, curves = diagnosed(chosen, by_condition, calibration.values, _numbered(report))
+    content, curves = diagnosed(chosen, by_condition, calibration.content, _numbered(report))
     return Diagnosis(replace(saved, diagnosis=content | {"recordings": saved.name}, explained=curves))
 
 

@@ -109,8 +109,8 @@ def refuse_altered(logs: Path, arguments: Sequence[str] = ()) -> None:
         )
 
 
-def estimate_of(file: str | Path) -> dict[str, float]:
-    """Return the estimate that the file of a calibration holds, by parameter.
+def calibration_of(file: str | Path) -> dict[str, Any]:
+    """Return the content of the file of a calibration.
 
     Raises
     ------
@@ -120,4 +120,4 @@ def estimate_of(file: str | Path) -> dict[str, float]:
     found = read_json(file)
     if "discrepancy" not in found:
         raise PalpateError(f"{file} was written by an older version of palpate; delete it and run the study again")
-    return {name: row["estimate"] for name, row in found["parameters"].items()}
+    return found

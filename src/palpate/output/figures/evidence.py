@@ -85,9 +85,9 @@ def caption(frame: pd.DataFrame) -> str:
     which = f"The best {len(frame)} of {count} explanations" if count > len(frame) else f"The {count} explanations"
     accepted = "Dark bars are accepted" if frame["accepted"].any() else "None is accepted"
     return (
-        f"{which} that were fitted, by their log evidence relative to the base model; numbers at the right are "
-        f"relative to the best. {accepted}. The probability of a set also counts its prior, which falls with "
-        "the number of effects."
+        f"{which} that were fitted, the most probable first: log evidence relative to the base model; numbers at the "
+        f"right are relative to the best. {accepted}. A probability also counts the prior, which falls with the number "
+        "of effects, and an effect below the smallest one that counts as none."
     )
 
 

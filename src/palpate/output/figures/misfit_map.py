@@ -55,8 +55,10 @@ def caption(frame: pd.DataFrame) -> str:
     certain = bool((frame["q_value"] < CERTAIN).any())
     mark = f"a dot and bold type mark q < {CERTAIN:g}" if certain else f"no part alone is significant (q < {CERTAIN:g})"
     return (
-        "Mean of the recorded less the simulated depth [nm] in each part of each test, after the fit of the base "
-        f"model; {mark}. The q-value is the p-value, corrected for the number of parts."
+        "Mean of the recorded less the simulated depth [nm] in each part of each test. The base model is fitted as if "
+        "its law were off by no more than the tolerance of the study, which the test of each part supposes; the curves "
+        f"of the fit itself may lie elsewhere. {mark[0].upper()}{mark[1:]}. The q-value is the p-value, corrected for "
+        "the number of parts."
     )
 
 

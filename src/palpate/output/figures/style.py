@@ -74,8 +74,9 @@ def headed(figure: Figure, title: str, synthetic: bool) -> None:
     """Write the title above a figure, if there is one, and that the recordings are not measured, where they are not."""
     marked = "synthetic recordings" if synthetic else ""
     if title:
-        text = "   ".join(filter(None, (title, f"({marked})" if marked else "")))
-        figure.suptitle(textwrap.fill(text, round(LETTERS * figure.get_figwidth())))
+        room, mark = round(LETTERS * figure.get_figwidth()), f"({marked})" if marked else ""
+        between = "   " if len(title) + 3 + len(mark) <= room else "\n"
+        figure.suptitle(between.join(filter(None, (textwrap.fill(title, room), mark))))
     elif marked:
         figure.suptitle(marked, fontsize=SMALLEST, style="italic", color="0.35")
 

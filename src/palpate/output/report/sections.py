@@ -174,7 +174,8 @@ def _explanations(found: Answer, picture: Picture) -> list[str]:
             "accepted": tried["accepted"],
         }
     )
-    pieces.append(f"<details><summary>All {len(every)} fits</summary>{table(every)}</details>")
+    note = "The most probable fit first; a probability is that these effects act by more than the smallest effect"
+    pieces.append(f"<details><summary>All {len(every)} fits</summary>{table(every, note)}</details>")
     return pieces
 
 
