@@ -64,8 +64,8 @@ def diagnosis(verdict="identified", candidates=None, **more):
         "candidates": candidates,
         "discriminating_test": None,
         "fit": {
-            "calibrate": {"before_rmse_nm": 3.7, "after_rmse_nm": 1.6},
-            "validate": {"before_rmse_nm": 8.61, "after_rmse_nm": 5.42},
+            "calibrate": {"before_rmse_nm": 3.7, "after_rmse_nm": 1.6, "risen_nm": {}},
+            "validate": {"before_rmse_nm": 8.61, "after_rmse_nm": 5.42, "risen_nm": {}},
             "noise_nm": 2.1,
         },
         "parameters": {

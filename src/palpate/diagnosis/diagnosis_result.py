@@ -22,6 +22,7 @@ from palpate.diagnosis.nothing_further import nothing_further
 from palpate.diagnosis.over_sets import draws_over_sets
 from palpate.diagnosis.screen import Screen
 from palpate.diagnosis.search import Candidate
+from palpate.diagnosis.summary_text import RISEN
 from palpate.diagnosis.undetected import largest_undetected
 from palpate.inference.amplitude_constraint import AmplitudeConstraint
 from palpate.inference.covariance import components_under
@@ -120,16 +121,23 @@ def noise_variance(fit: Fit, condition: Condition, item: Observation) -> np.ndar
 
 
 def errors_before_after(table: pd.DataFrame) -> dict[str, Any]:
-    """Return the root mean square misfits of calibrate and validate conditions, and the noise floor."""
+    """Return the root mean square misfits of calibrate and validate conditions, and the noise floor.
+
+    `risen_nm` holds the misfit after of each condition under which it has risen, to more than its noise.
+    """
+
+    def errors(part: pd.DataFrame) -> list[float]:
+        return [root_mean_square((part[when] - part["recorded_nm"]).to_numpy()) for when in ("before_nm", "after_nm")]
+
     found: dict[str, Any] = {}
     for role in ("calibrate", "validate"):
         part = table[table["role"] == role]
-        found[role] = {
-            f"{when}_rmse_nm": root_mean_square((part[f"{when}_nm"] - part["recorded_nm"]).to_numpy())
-            if len(part)
-            else None
-            for when in ("before", "after")
-        }
+        before, after = errors(part) if len(part) else (None, None)
+        found[role] = {"before_rmse_nm": before, "after_rmse_nm": after, "risen_nm": {}}
+        for name, of_it in part.groupby("condition", sort=False):
+            before, after = errors(of_it)
+            if after > max(RISEN * before, root_mean_square(of_it["noise_nm"].to_numpy())):
+                found[role]["risen_nm"][name] = after
     judged = table[table["role"] == "validate"] if (table["role"] == "validate").any() else table
     return found | {"noise_nm": root_mean_square(judged["noise_nm"].to_numpy())}
 

@@ -224,6 +224,9 @@ def _gain(content: Mapping[str, Any]) -> str:
     change = f"falls from {before:.1f} to {after:.1f} nm" if after < before else f"stays near {after:.1f} nm"
     if after > RISEN * before:
         change = f"rises from {before:.1f} to {after:.1f} nm"
+    elif risen := fit[role]["risen_nm"]:
+        under = [f"{error:.1f} nm under {name}" for name, error in risen.items()]
+        change += f", though it rises to {' and '.join(under)}"
     return f"the {tests} error {change}; noise and scatter alone would leave {fit['noise_nm']:.1f} nm"
 
 
