@@ -6,6 +6,7 @@ layout are none of Fischer's, and their depths and loads may be raw.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -60,8 +61,14 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
     if found.problem:
         raise InputError(f"h5py cannot read it ({found.problem})", remedy="copy or export it again")
     facts = {key: value for name in FACTS for key, value in found.attributes.get(name, {}).items()}
-    tests = [_of_group(source, path, group, facts) for path, group in found.groups.items() if _channels(group)]
+    groups = sorted(found.groups.items(), key=lambda item: _numbered(item[0]))
+    tests = [_of_group(source, path, group, facts) for path, group in groups if _channels(group)]
     return unless_all_fail([test for of_group in tests for test in of_group])
+
+
+def _numbered(path: str) -> list[tuple[int, str]]:
+    """Return a path as a key by which test_2 comes before test_10; HDF5 keeps groups by their letters."""
+    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path)]
 
 
 def _channels(group: Columns) -> dict[str, str]:

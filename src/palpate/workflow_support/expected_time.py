@@ -75,6 +75,7 @@ def expected(study: Study, cores: int) -> Iterator[str]:
     parts += [f"calibration {time_in_words(fits)}"] if sets else []
     parts += [f"diagnosis of {mechanisms} mechanisms {time_in_words(explanations)}"] if mechanisms else []
     parts += [f"up to {pyramids} curves of the pyramid {time_in_words(accurate)}"] if pyramids else []
+    parts += [f"surrogates, figures, report and starts of jobs {time_in_words(laboratories + surrogates + others)}"]
     processors = f"{cores} free core{'s' if cores > 1 else ''}"
     finer = "" if study.accuracy == STANDARD else f" for accuracy {STANDARD} ({study.accuracy} takes longer)"
     yield (
