@@ -52,12 +52,16 @@ def run(arguments: argparse.Namespace) -> int:
     print("MLflow starts, which takes some seconds", flush=True)
     command = ["-m", "mlflow", "ui", "--backend-store-uri", store, "--port", str(port), "--workers", "1"]
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    process = subprocess.Popen(
-        [sys.executable, *command], env=os.environ | LIMITS, stdout=sys.stderr, start_new_session=True
-    )
+    log = results / "ui.log"
+    with log.open("w") as said:
+        process = subprocess.Popen(
+            [sys.executable, *command], env=os.environ | LIMITS, stdout=said, stderr=said, start_new_session=True
+        )
     try:
         if _answers(process, f"{server}/health"):
-            print(*links, "Ctrl-C ends it", sep="\n", flush=True)
+            print(*links, f"Ctrl-C ends it; what MLflow says is in {log}", sep="\n", flush=True)
+        else:
+            print(f"palpate: MLflow has ended; {log} says why", file=sys.stderr)
         return process.wait()
     finally:  # however this command ends: MLflow's own processes would keep the port
         with suppress(ProcessLookupError):
