@@ -36,7 +36,8 @@ CALIBRATION = 160  # curves of one condition in a calibration with replicates
 CALIBRATION_ALONE = 500  # the same without, where searches begin at many places
 DIAGNOSIS = 280  # curves of one condition in any diagnosis
 EXPLANATION = 14  # further ones for each mechanism that is considered, with replicates
-ALONE = 180  # the same without, or where the law cannot suit
+UNSUITED = 180  # the same where the law cannot suit
+ALONE = 600  # the same without replicates, where nearly every set of effects is about as likely and is fitted
 IMPRINT = 0.1  # of the largest depth, chosen: what is left beyond it after unloading is no noise, drift or late contact
 FURTHER = 0.3  # of that, for each further condition: conditions are solved together
 PYRAMID = 21.0 / CREEP  # times that, one curve of the pyramid at few points: of the epoxy 21 s (docs/pyramid.md)
@@ -137,10 +138,10 @@ def _replicated(study: Study, recordings: str) -> bool:
 def _diagnosis(study: Study, cost: float, recordings: str) -> float:
     """Return the time of the diagnosis of a set of recordings [s]."""
     imprint = _is_elastic(study) and any(map(_left_imprint, files_of(study, recordings)[:1]))
-    few = _replicated(study, recordings) and not imprint
+    each = ALONE if not _replicated(study, recordings) else UNSUITED if imprint else EXPLANATION
     names = [{parameter.name for parameter in mechanism.parameters} for mechanism in candidates(study).values()]
     explained = sum(_cost_of_curve(study, YIELDS in added) for added in names)
-    curves = DIAGNOSIS * cost + (EXPLANATION if few else ALONE) * explained
+    curves = DIAGNOSIS * cost + each * explained
     return START + _together(curves, len(study.calibrated))
 
 
