@@ -33,8 +33,10 @@ def proposed(folder, monkeypatch, test, tip=None, laboratory=True, **more):
 
 def every_test(tip):
     """Return each test that a diagnosis may propose, as it is saved, with its load history."""
-    for test in feasible(1.0, 30.0, tip):
-        yield pytest.param({"test": test.phrase, **test.settings, **GAIN}, test, id=test.phrase)
+    return [
+        pytest.param({"test": test.phrase, **test.settings, **GAIN}, test, id=test.phrase)
+        for test in feasible(1.0, 30.0, tip)
+    ]
 
 
 @pytest.mark.parametrize(("saved", "test"), every_test(Indenter("cone", 70.3)))
