@@ -67,5 +67,5 @@ class Histories:
         where = f" in {searched} below {Path.cwd()}" if searched else ""
         raise InputError(
             f"load_history is `recorded`, but there is no recording of this condition{where}",
-            remedy=f"correct that folder, or add {entry['name']}_1.csv to one that no laboratory writes",
+            remedy=f"add {entry['name']}_1.csv to a folder under recordings that no laboratory writes",
         )
