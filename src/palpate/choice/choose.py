@@ -96,7 +96,8 @@ def choose(study: Study, report: Callable[[str], None] = print) -> dict[str, Any
     solid, loading = check_distinguishable(study, recorded)
     guessed = {law: ranges(law, solid, loading) for law in family.laws}
     laws, base = _base_fit(ComparedLaws(study, resampled(study, recorded), guessed), family.base, report)
-    others = [_fitted(laws, law, base, loading, report) for law in family.others]
+    values = neutral(base.coordinates.named(base.z), loading)
+    others = [_fitted(laws, law, values, report) for law in family.others]
     return _content(study, [Judged(family.base, base), *others])
 
 
@@ -145,11 +146,10 @@ def _base_fit(laws: ComparedLaws, law: str, report: Callable[[str], None]) -> tu
     return laws, laws.weighed(fit)
 
 
-def _fitted(laws: ComparedLaws, law: str, base: Fit, loading: float, report: Callable[[str], None]) -> Judged:
+def _fitted(laws: ComparedLaws, law: str, values: Mapping[str, float], report: Callable[[str], None]) -> Judged:
     """Return a law after its fit; without one where that fails."""
-    begun = laws.at_base(law, neutral(base.coordinates.named(base.z), loading))
     try:
-        fit = laws.weighed(laws.fit(law, [*begun, laws.middle(law)]))
+        fit = laws.weighed(laws.fit(law, [*laws.at_base(law, values), laws.middle(law)]))
     except PalpateError as error:
         report(f"{law} could not be fitted: {error}")
         return Judged(law, None)
