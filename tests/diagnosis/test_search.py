@@ -142,7 +142,7 @@ def test_every_mechanism_belongs_to_a_family():
     assert all(mechanism.family for mechanism in MECHANISMS.values())
 
 
-def explored(expected, proves=None, policy=POLICY, largest=2):
+def explored(expected, proves=None, policy=POLICY, largest=2, replicated=True):
     """Return which sets were fitted, in order, all explanations, and what failed.
 
     Parameters
@@ -173,7 +173,7 @@ def explored(expected, proves=None, policy=POLICY, largest=2):
         joined=joined,
         log_evidence=lambda fit, key: expected.get(name(fit, key), -1e3),
         candidate=lambda fit: Candidate(fit, lambda fit: 0.5),
-        problem=SimpleNamespace(is_simulated=lambda key: key != "thermal_drift"),
+        problem=SimpleNamespace(is_simulated=lambda key: key != "thermal_drift", replicated=replicated),
     )
     found = Explanations(len(keys))
     found.add(search.base)
@@ -199,6 +199,11 @@ def test_nothing_is_fitted_where_no_set_may_matter_beside_none():
     asked, found, _ = explored({"friction": -6.0, "adhesion": -7.0})
     assert asked == []
     assert found.probabilities()[frozenset()] > 0.99
+
+
+def test_without_replicates_a_set_is_fitted_only_where_it_may_be_about_as_likely_as_a_part_of_it():
+    assert explored({"friction": -5.0})[0] == ["friction"]
+    assert explored({"friction": -5.0}, replicated=False)[0] == []
 
 
 def test_larger_sets_are_estimated_from_each_fit():

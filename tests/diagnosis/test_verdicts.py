@@ -116,7 +116,7 @@ def test_what_is_found_does_not_depend_on_the_number_of_threads():
 
 def test_a_mechanism_that_the_forward_model_cannot_follow_is_listed_with_its_reason():
     task = problem(recordings(np.random.default_rng(5), lambda c, r: (0.25 + 0.05 * r) * c.protocol.sample_time))
-    eager = SearchPolicy(negligible_if_linear=1e-30)
+    eager = SearchPolicy(negligible_if_safe=1e-30)
     search = Failing(STUDY, task, RECORD_ONLY, np.random.default_rng(0), TRUTH, policy=eager)
     found = diagnose(search, lambda said: None)
     assert found.failed["zero_offset"] == "lost contact"

@@ -82,14 +82,21 @@ def test_a_sphere_shares_with_another_what_it_shares_with_itself_at_the_load_of_
 
 
 def test_a_length_of_one_tip_says_nothing_of_another():
-    (protocol,) = trials((1.0, 30.0, 10.0))
-    tests = [Indentation(protocol, name) for name in "ab"]
-    found = Discrepancy.of(tests, {"a": depth(SOLID, protocol), "b": depth(SOLID, protocol)}, 0.0025, {})
+    protocols = trials((1.0, 30.0, 10.0), (4.0, 30.0, 10.0))
+    tests = [Indentation(protocol, name) for name in "ab" for protocol in protocols]
+    depths = {f"{test.tip}{k}": depth(SOLID, test.protocol) for k, test in enumerate(tests)}
+    found = Discrepancy.of(tests, depths, 0.0025, {})
     for kind in LENGTHS:
         a, b = np.split(found.breaches[kind][:, :-1], 2)
         assert np.abs(a @ b.T).max() == 0.0 < np.abs(a).max()
         in_proportion = np.split(found.breaches[kind][:, -1], 2)
         assert in_proportion[0] == pytest.approx(in_proportion[1])
+
+
+def test_a_length_is_part_of_the_law_where_a_tip_has_one_load():
+    one = trials((1.0, 30.0, 10.0), (1.0, 60.0, 0.0))
+    of_length, of_law = (discrepancy(one, own=own, kind=LENGTHS[0]).covariance for own in (0.9, 0.0))
+    assert of_length == pytest.approx(0.1 * of_law)
 
 
 def test_times_that_are_nearly_equal_are_equal_and_others_share_it_in_part():

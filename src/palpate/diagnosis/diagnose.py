@@ -135,16 +135,17 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
             if each.members not in to_try or each.log_evidence > to_try[each.members].log_evidence:
                 to_try[each.members] = each
 
-    def behind(each: ExplanationToTry) -> float:
-        """Return by how much the weight of a set may lie behind the best one where it is worth a fit."""
-        linear = not search.problem.is_simulated(each.key)
-        rough = found.power * policy.rough
-        return -np.log(policy.negligible_if_linear) if linear else rough - np.log(policy.negligible)
-
     def promise(each: ExplanationToTry) -> float:
         """Return the weight of a set, or of the likeliest larger one that only a fit of this one leads to."""
         larger = [members for members in found.exchanged if each.members < members and found.is_exchanged(members)]
         return max(map(found.log_weight, [each.members, *larger]))
+
+    def is_worth_a_fit(each: ExplanationToTry, best: Members) -> bool:
+        linear = not search.problem.is_simulated(each.key)
+        is_no_rival = best < each.members and not search.problem.replicated
+        rough = 0.0 if linear else found.power * policy.rough
+        negligible = policy.negligible_if_safe if linear or is_no_rival else policy.negligible
+        return found.log_weight(best) - promise(each) <= rough - np.log(negligible)
 
     def decide() -> set[Members]:
         """Return the sets of the group that gives the verdict, unless the empty one is among them."""
@@ -153,8 +154,8 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
 
     extend(search.base.fit)
     for _ in range(policy.most):
-        best, rivals = max(found.log_weight(members) for members in found.fitted), decide()
-        worth = [e for e in to_try.values() if e.members in rivals or best - promise(e) <= behind(e)]
+        best, rivals = max(found.fitted, key=found.log_weight), decide()
+        worth = [each for each in to_try.values() if each.members in rivals or is_worth_a_fit(each, best)]
         likely = sorted(worth, key=lambda each: -promise(each))
         if not likely:
             break
@@ -183,7 +184,7 @@ def _complete(search: Search, found: Explanations, report: Callable[[str], None]
         except PalpateError as error:
             report(f"{'+'.join(explanation)} again: {error}")
     least = max(map(found.log_weight, found.fitted)) - search.policy.near
-    for members, candidate in list(found.fitted.items()):
+    for members, candidate in list(found.fitted.items()) if search.problem.replicated else ():
         if members and not candidate.fit.converged and found.log_weight(members) >= least:
             found.add(search.followed(candidate))
             report(f"{'+'.join(sorted(members))} in the end: log evidence {found.fitted[members].fit.log_evidence:.1f}")

@@ -22,11 +22,11 @@ from palpate.diagnosis.parts import halves
 from palpate.inference.discrepancy import LENGTHS, OBEYS, OWN, largest_depths, power_of_evidence
 from palpate.inference.estimates import law_discrepancy
 from palpate.inference.explanation import DENSITY_ONE, Fit
+from palpate.inference.law_structure import APART
 from palpate.inference.marginal import Marginal
 from palpate.inference.problem import Problem
 
 CLASSES = ("scaling", "length", "clock", "reversal")
-APART = 1.2  # ratio of loads, or of durations, from which on tests tell a length from the law, or a clock from both
 SMALLEST = 1e-9  # of the largest depth: before a delayed load acts there is none
 
 

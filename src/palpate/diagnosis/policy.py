@@ -16,13 +16,16 @@ class SearchPolicy:
     negligible
         Probability of a set, relative to the likeliest, below which it is not refitted and counts to first order,
         unless it is one of the group that decides.
-    negligible_if_linear
-        The same where the mechanism that joins only adds to the depth, whose evidence to first order is that of a refit
-        within about one: so probable it must be that the refit can change what is said.
+    negligible_if_safe
+        The same where a refit can hardly change what is said: where the mechanism that joins only adds to the depth,
+        whose evidence to first order is that of a refit within about one, and where the set contains the likeliest one,
+        and so is no rival to it, in recordings without replicates, which identify nothing.
     rough
-        Error of a log evidence to first order that is allowed for before a set counts as negligible.
+        Error of a log evidence to first order that is allowed for before a set counts as negligible, and by which a
+        fit must lie behind its evidence to first order before it is searched for once more.
     near
-        By how much a log evidence may lie behind the best one where a search that was given up goes on.
+        By how much a log evidence may lie behind the best one where a search that was given up goes on; replicates
+        alone can identify what it finds.
     behind_set
         The same of special cases behind a set of several mechanisms. A name too many is the worst error, and what
         follows to first order without one of the mechanisms is rough: in a case of the blind trial the truth seemed to
@@ -43,7 +46,7 @@ class SearchPolicy:
 
     held: float = 0.95
     negligible: float = 0.05
-    negligible_if_linear: float = 0.3
+    negligible_if_safe: float = 0.3
     rough: float = 3.0
     near: float = 10.0
     behind_set: float = 400.0

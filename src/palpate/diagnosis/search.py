@@ -116,8 +116,14 @@ class Search:
         errors = (given.site_scatter, given.solver_error, given.law_error)
         self._fitter = Fitter(problem, *errors)
         self._shown_by_replicates: dict[str, tuple[float, tuple[Amplitude, ...]]] = {}
-        known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
-        base = self._fitter.base(known or scattered(problem.material, self._fitter.policy, rng))
+        known = problem.forward.coordinates.scaled(calibrated) if calibrated else None
+        starts = scattered(problem.material, self._fitter.policy, rng) if known is None else [known]
+        if problem.replicated:
+            base = self._fitter.base(starts)
+        else:
+            base = self._fitter.closest(starts) if known is None else self._fitter.at(known)
+            self._fitter.use_residual_as_noise(base.residual)
+            base = self._fitter.reweighed(base) if known is None else base
         if self._fitter.explains(base):
             base = on_finer_meshes(self._fitter, base)
         elif base.errors.law is None:
@@ -127,7 +133,7 @@ class Search:
         self.screen = Screen.of(base, keys, self.policy.threads)
         if not problem.replicated:
             self._estimate_noise_without_replicates(base)
-            base = self.fitted((), [base.z], base.curve)
+            base = replace(base, errors=self._fitter.errors((), base.model, base.z, base.curve)).sized()
         self._fitter.constraints = tuple(laws(base)) if laws else ()
         self.base = self.candidate(replace(base, constraints=self._fitter.constraints))
 
@@ -139,8 +145,9 @@ class Search:
         """Fit an explanation and one more mechanism, with the references of the smaller one, see `fitted`.
 
         A model without an effect that is there may have its optimum far outside the ranges, and so lead its successors
-        there. Where such a smaller one ended there, the search begins within them; where this one ends there or far
-        from the recordings, it is fitted once more from the other places, and the likelier of both is taken.
+        there. Where such a smaller one ended there, the search begins within them; where this one ends there, or far
+        from the recordings and less likely than to first order, it is fitted once more from the other places, and the
+        likelier of both is taken.
         """
         model = fit.model.joined([MECHANISMS[key]], self.problem.scale)
         middle = np.where(fit.coordinates.beyond(fit.z) == 0.0, fit.z, 0.5)
@@ -156,12 +163,16 @@ class Search:
                 if not outside:
                     break
                 continue
-            far = outside and self._fitter.falls_short(found[-1])
-            if not (far or self._ends_outside(found[-1])):
+            short = outside and self._fitter.falls_short(found[-1]) and self._falls_behind(found[-1], fit, key)
+            if not (short or self._ends_outside(found[-1])):
                 break
         if not found:
             raise PalpateError(failed)
         return max(found, key=lambda each: each.log_evidence)
+
+    def _falls_behind(self, joined: Fit, fit: Fit, key: str) -> bool:
+        """Return whether a fit that a mechanism joined is less likely than to first order, by more than that errs."""
+        return joined.log_evidence < self.log_evidence(fit, key) - self.policy.rough
 
     def _starts(self, fit: Fit, key: str) -> list[np.ndarray]:
         """Return where searches may begin once a mechanism joins, see `palpate.diagnosis.screen.Screen.starts`.

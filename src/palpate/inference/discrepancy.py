@@ -45,10 +45,10 @@ from palpate.inference.law_structure import (
     CROSSINGS,
     Indentation,
     Tests,
-    by_tip,
     clocks,
     common,
     crossovers,
+    of_several_loads,
     parts_of_tests,
     reversals,
 )
@@ -210,8 +210,13 @@ class Discrepancy:
 
 
 def _with_length(tests: Tests, depths: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return columns (n, 2 t + 1) of what crosses over with depth and load under t tips, by `LENGTHS`."""
-    depth, tips = np.abs(np.concatenate(list(depths.values()))), by_tip(tests)
+    """Return columns (n, 2 t + 1) of what crosses over with depth and load under t tips of several loads, by `LENGTHS`.
+
+    Where each tip has one load there is no column: a length would be one more part of the law.
+    """
+    depth, tips = np.abs(np.concatenate(list(depths.values()))), of_several_loads(tests)
+    if not tips:
+        return dict.fromkeys(LENGTHS, np.zeros((len(depth), 0)))
     relative = depth / np.maximum(largest_depths(depths, {}), 1e-9 * depth.max())
     drive = np.concatenate([test.protocol.sample_drive for test in tests])
     parts = [*crossovers(depth, relative, tips), *crossovers(drive, relative, tips)]

@@ -90,6 +90,32 @@ class Fitter:
             return self.use_as_reference(fit)
         raise PalpateError(failed)
 
+    def closest(self, starts: Sequence[np.ndarray]) -> Fit:
+        """Fit the base model from coordinates (k,) as close to the curves as it comes, as if there were no error.
+
+        Without replicates noise cannot be distinguished from misfit, and what this fit leaves beside slow trends is
+        taken for noise; no factor of a site or of the solver is free. Raises as `base`.
+        """
+        exact = replace(self, site_scatter=0.0, solver_error=0.0, law_error=0.0)
+        fit = exact.base(starts)
+        self.problem = exact.problem
+        return fit
+
+    def at(self, z: np.ndarray) -> Fit:
+        """Return the base model at coordinates (k,) at which an earlier search of it has ended.
+
+        Raises
+        ------
+        PalpateError
+            When the forward model fails there.
+        """
+        model = self.problem.forward.reanchored(z)
+        misfit = self._misfit((), self.errors((), model, z, self.problem.mean))
+        (found,) = misfit.tangents(model, [z])
+        if isinstance(found, str):
+            raise PalpateError(found)
+        return Fit(self.problem, (), model, z, self.errors((), model, z, found[0]), *found, self.constraints)
+
     def fitted(
         self,
         explanation: Explanation,
@@ -169,10 +195,18 @@ class Fitter:
         return fit.sized()
 
     def reweighed(self, fit: Fit) -> Fit:
-        """Return a fit of the base model by the errors of these settings, after a search with them."""
+        """Return a fit of the base model by the errors of these settings, after a search with them.
+
+        The closest fit may lie far away, so the curves at the end are those of a forward model that is known there.
+        """
         fit = replace(fit, errors=self.errors((), fit.model, fit.z, fit.curve))
-        until = StoppingCriteria(self.policy.base_iterations, self.policy.tolerance)
-        return self.settled(fit, until) if self.law_error else fit
+        if not self.law_error:
+            return fit
+        fit = self.settled(fit, StoppingCriteria(self.policy.base_iterations, self.policy.tolerance))
+        try:
+            return replace(self.at(fit.z), converged=fit.converged).sized()
+        except PalpateError:
+            return fit
 
     def _weighed_by(self, fit: Fit, record: Forward, usual: Misfit) -> tuple[Fit, Misfit]:
         """Return a fit with the error of a model's mesh, and its misfit by that; the `usual` one far from the noise."""

@@ -28,6 +28,7 @@ from palpate.study.protocol import Protocol
 TIMES = 0.8  # of the logarithm of time: fits of linear solids to power, logarithmic and stretched creep leave this
 HISTORIES = 0.25  # of the root of the normalised load: the same
 ROUGHER = 6.0  # times shorter than those of the law's discrepancy are the lengths of a mesh's ripple
+APART = 1.2  # ratio of loads, or of durations, from which on tests tell a length from the law, or a clock from both
 LOADS = 0.7  # of the logarithm of the load, where body or tip has a length: a factor of two
 CROSSINGS = 4.0 / 5.0 ** np.arange(4)  # of the largest depth or load: lengths, or loads, of body, tip or instrument
 AGO = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 24)])  # s, of the present time: the recent past counts most
@@ -99,6 +100,17 @@ def by_tip(tests: Tests) -> list[np.ndarray]:
     """Return which points (n,) belong to the tests of each tip."""
     of_points = np.repeat([test.tip for test in tests], [len(test.protocol.sample_time) for test in tests])
     return [of_points == tip for tip in dict.fromkeys(test.tip for test in tests)]
+
+
+def of_several_loads(tests: Tests) -> list[np.ndarray]:
+    """Return those of `by_tip` whose tests differ in load, so that a length breaches the scaling between them.
+
+    Within one load it cannot be told from the law of the material.
+    """
+    loads: dict[str, list[float]] = {}
+    for test in tests:
+        loads.setdefault(test.tip, []).append(test.protocol.largest_drive)
+    return [own for own, of in zip(by_tip(tests), loads.values(), strict=True) if max(of) > APART * min(of)]
 
 
 def same_tip(tests: Tests) -> np.ndarray:
