@@ -103,7 +103,7 @@ def test_a_parameter_that_is_nearly_nothing_is_given_by_value_not_in_percent():
         "after": {"transient_coefficient": {"estimate": 0.0003, "lower": 0.0, "upper": 0.0008}},
     }
     said = sentence(content("identified", DRIFT) | {"parameters": parameters})
-    assert "transient coefficient is 0.0018 in place of 0.0003." in said
+    assert "transient coefficient is 0.0018 in place of 3.0 × 10⁻⁴." in said
 
 
 def test_what_comes_nearest_is_said_where_nothing_explains():
@@ -113,7 +113,7 @@ def test_what_comes_nearest_is_said_where_nothing_explains():
     tried["parameters"]["friction.coefficient"] = 0.123
     unexplained = content("unexplained")
     said = sentence(unexplained | {"tried": [tried]})
-    film = "film on a substrate (thickness 511 nm, substrate modulus 70 GPa) with friction (coefficient 0.123)"
+    film = "film on a substrate (thickness 511 nm, substrate modulus 70.0 GPa) with friction (coefficient 0.123)"
     assert f"The closest is {film}." in said
     assert "The closest" not in sentence(unexplained)
 

@@ -146,7 +146,7 @@ def test_a_departure_of_the_law_is_stated_and_not_called_noise(tmp_path):
     content = saved(tmp_path).calibrations["all"] | {"misfit_ratio": 1.1, "converged": False}
     content |= {"discrepancy": {"share": 0.079, "lower": 0.071, "upper": 0.088}}
     text = Calibration(saved(tmp_path, calibrations={"all": content})).misfit_sentence()
-    assert text.startswith("Beside noise the base model departs from the recordings by 7.9 (7.1 to 8.8) % of the depth")
+    assert text.startswith("Beside noise the base model departs from the recordings by 7.9 % of the depth (7.1 to 8.8)")
     assert progress(content).startswith("misfit 4.20 to 8.61 nm, a departure of the law by 7.9")
     assert progress(content).endswith("the search has not converged")
 

@@ -34,14 +34,15 @@ def interval(estimate: float, lower: float, upper: float) -> str:
     width = upper - lower
     if not all(map(math.isfinite, values)) or width <= 0.0:
         return f"{float(f'{estimate:.4g}'):g}"
+    if lower >= 0.0 and upper > SKEWED * estimate > 0.0:
+        return "{} ({} to {})".format(*(rounded(value, SIGNIFICANT) for value in values))
     largest = max(map(abs, values))
     if largest < SMALL or largest >= 1e6:
         power = math.floor(math.log10(largest))
         inside = interval(*(value / 10.0**power for value in values))
         number, span = inside.split(" ", 1)
         return f"{number} {span} × 10{str(power).translate(RAISED)}"
-    over_decades = lower >= 0.0 and upper > SKEWED * estimate > 0.0
-    texts = [_to_place(value, _place(value if over_decades else width, SIGNIFICANT)) for value in values]
+    texts = [_to_place(value, _place(width, SIGNIFICANT)) for value in values]
     return f"{texts[0]} ({texts[1]} to {texts[2]})"
 
 
@@ -82,3 +83,9 @@ def interval_with_unit(found: Mapping[Any, Any]) -> str:
     number, _, span = interval_of(found).partition(" ")
     unit = "" if found["unit"] == "-" else f" {found['unit']}"
     return f"{number}{unit} {span}".strip()
+
+
+def share_in_words(found: Mapping[str, Any]) -> str:
+    """Return the size of a law's discrepancy with its interval, such as ``0.12 % of the depth (0.05 to 0.30)``."""
+    estimate, lower, upper = (100.0 * found[key] for key in ("share", "lower", "upper"))
+    return interval_with_unit({"estimate": estimate, "lower": lower, "upper": upper, "unit": "% of the depth"})

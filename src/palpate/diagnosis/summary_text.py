@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from palpate.base.parameters import Parameter, in_words
-from palpate.base.rounding import interval_with_unit, percent
+from palpate.base.rounding import interval_with_unit, percent, rounded, share_in_words
 from palpate.diagnosis.locate import CERTAIN
 from palpate.mechanisms import MECHANISMS, Mechanism
 
@@ -55,12 +55,6 @@ CLASS_IN_WORDS = {
     "clock": "following the clock, as a drift does",
     "reversal": "where the load turns, as what belongs to the controller",
 }
-
-
-def share_in_words(found: Mapping[str, Any]) -> str:
-    """Return the size of a discrepancy of the law with its interval."""
-    estimate, lower, upper = (100.0 * found[key] for key in ("share", "lower", "upper"))
-    return interval_with_unit({"estimate": estimate, "lower": lower, "upper": upper, "unit": "% of the depth"})
 
 
 def _law(content: Mapping[str, Any]) -> str:
@@ -123,11 +117,6 @@ def _may_be_none(candidate: Mapping[str, Any]) -> str:
         if not mechanism.acts_on_body and all(entry["lower"] <= 0.0 <= entry["upper"] for entry in spans):
             found.append(mechanism.title)
     return " and the ".join(found)
-
-
-def rounded(value: float, digits: int = 3) -> str:
-    """Return a number to some digits, without an exponent where it has up to six."""
-    return f"{float(f'{value:.{digits}g}'):g}"
 
 
 def _amount(value: float, parameter: Parameter, digits: int = 3) -> str:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-from palpate.base.rounding import interval_with_unit, percent, rounded
-from palpate.diagnosis.summary_text import share_in_words
+from palpate.base.rounding import interval_with_unit, percent, rounded, share_in_words
 from palpate.inference.calibration_result import rmse
 from palpate.materials import law_of
 from palpate.mechanisms import MECHANISMS, quantity_in_words

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from indentation_files.recording import Recording
 from palpate.base.parameters import in_words
-from palpate.base.rounding import interval_of
+from palpate.base.rounding import interval_of, share_in_words
 from palpate.configuration.study_file import Study
 from palpate.errors import InputError
 from palpate.inference.calibration_result import MOST_MISFIT
@@ -23,7 +23,7 @@ from palpate.output.figures import uniaxial_curves
 from palpate.output.figures.curve_panels import of_fit
 from palpate.output.results.bulk_errors import bulk_sentences, bulk_table
 from palpate.output.results.imprint_errors import imprint_sentences, imprint_table
-from palpate.output.results.misfit import departure_in_words, span
+from palpate.output.results.misfit import span
 from palpate.output.saved_set import ALL, SavedSet
 from palpate.output.shown import Shown, axes_for, composed
 
@@ -137,10 +137,10 @@ class Calibration(Shown):
                 "misfit itself, which therefore cannot test the model. Look at the misfit in time: a smooth pattern, "
                 "rather than noise, means that the model lacks something."
             )
-        if departure := departure_in_words(self.content):
+        if law := self.content.get("discrepancy"):
             return (
-                f"Beside noise the base model departs from the recordings by {departure}; the diagnosis tests whether "
-                "an effect is behind that, and one that is smaller may be present, too."
+                f"Beside noise the base model departs from the recordings by {share_in_words(law)}; the diagnosis "
+                "tests whether an effect is behind that, and one that is smaller may be present, too."
             )
         ratio = self.content["misfit_ratio"]
         if ratio < MOST_MISFIT:
