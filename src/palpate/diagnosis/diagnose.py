@@ -153,7 +153,7 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
         return set() if frozenset() in group else set(group)
 
     extend(search.base.fit)
-    for _ in range(policy.most):
+    for _ in range(policy.most if search.problem.replicated else policy.most_alone):
         best, rivals = max(found.fitted, key=found.log_weight), decide()
         worth = [each for each in to_try.values() if each.members in rivals or is_worth_a_fit(each, best)]
         likely = sorted(worth, key=lambda each: -promise(each))

@@ -30,8 +30,9 @@ class SearchPolicy:
         The same of special cases behind a set of several mechanisms. A name too many is the worst error, and what
         follows to first order without one of the mechanisms is rough: in a case of the blind trial the truth seemed to
         lie 150 behind.
-    most
-        Number of explanations that are fitted at most, beside the base model.
+    most, most_alone
+        Number of explanations that are fitted at most, beside the base model; the second without replicates, which
+        identify nothing.
     certain
         Inclusion of a family from which on it is identified.
     mechanism_penalty
@@ -51,6 +52,7 @@ class SearchPolicy:
     near: float = 10.0
     behind_set: float = 400.0
     most: int = 16
+    most_alone: int = 6
     certain: float = 0.99
     mechanism_penalty: float = 2.0
     outside: float = 1.0
