@@ -114,14 +114,14 @@ def read_each(
     refuse_special(path)
     try:
         if path.stat().st_size > LARGEST:
-            raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once", file=path)
+            raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once")
         with path.open("rb") as stream:
             if sha256 is not None and hashlib.file_digest(stream, "sha256").hexdigest() != sha256:
                 problem = "is not the file that the study names (sha256 differs)"
-                raise InputError(problem, remedy="fetch it again", file=path)
+                raise InputError(problem, remedy="fetch it again")
             source = Source(path, stream)
             if all(block.isspace() for block in source.blocks()):
-                raise InputError("is empty", remedy="export or copy it again", file=path)
+                raise InputError("is empty", remedy="export or copy it again")
             with no_less_hidden(source):
                 tests = [_printable(test) for test in _whole(source, corrections, columns, columns_required)]
                 aside = [set_aside(source, test) for test in zeroed_each(path, averages(tests), contact)]
@@ -197,16 +197,19 @@ def _whole(
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
     reader = next((reader for reader in READERS.values() if reader.matches(source)), None)
     if columns is not None and not no_table(source) and (reader is None or holds_columns(source, columns)):
-        refuse_corrections(source, corrections)
+        refuse_corrections(corrections)
         return read_columns(source, columns)
     if reader is not None:
         if columns is not None and columns_required:
             raise _without_columns(source, columns, reader)
         message = () if columns is None else (f"lacks the columns named, and is read as {reader.title}",)
-        return [_with(message, test) for test in reader.read(source, corrections)]
+        if not reader.corrects:
+            refuse_corrections(corrections)
+        tests = reader.read(source, corrections) if reader.corrects else reader.read(source)
+        return [_with(message, test) for test in tests]
     named = None if no_table(source) else by_headings(tables_of(source))
     if named is not None:
-        refuse_corrections(source, corrections)
+        refuse_corrections(corrections)
         shown = ", ".join(f"{key} from {name!r}" for key, name in named.names.items())
         return [_with((f"read by its headings: {shown}",), test) for test in read_columns(source, named)]
     missing = None if no_table(source) else missing_channel(source)
@@ -215,7 +218,6 @@ def _whole(
         raise InputError(
             f"its table names {others}, but no column that palpate knows as {missing}",
             remedy=f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too",
-            file=source.path,
         )
     raise unknown(source)
 

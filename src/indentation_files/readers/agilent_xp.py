@@ -11,6 +11,8 @@ Stiffness".
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from indentation_files.errors import InputError
@@ -19,21 +21,15 @@ from indentation_files.readers.sheets_of_tests import (
     channel,
     evaluated,
     facts_of,
-    first_of,
     headings_of,
+    names_of,
     read_sheets,
     surface,
     tests_of,
+    values_of,
 )
 from indentation_files.readers.source import Source
-from indentation_files.readers.vendor import (
-    Corrections,
-    Reader,
-    Unreadable,
-    VendorTest,
-    usable,
-)
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Corrections, Reader, Unreadable, VendorTest, usable, vendor_test
 
 CHANNELS = {
     "time": ("time on sample", "time in contact"),
@@ -46,30 +42,22 @@ STIFFNESS = {True: "harmonic contact stiffness", False: "harmonic stiffness"}
 
 def matches(source: Source) -> bool:
     """Return whether a sheet ``Test ...`` has the XP's names of channels."""
-    return any(_names(source, sheet) for sheet in tests_of(source))
-
-
-def _names(source: Source, sheet: str) -> dict[str, str]:
-    """Return what a sheet calls its channels; empty where it lacks one."""
-    headings = headings_of(source, sheet)
-    found = {key: first_of(headings, spellings) for key, spellings in CHANNELS.items()}
-    return {key: name for key, name in found.items() if name} if all(found.values()) else {}
+    return any(names_of(source, sheet, CHANNELS) for sheet in tests_of(source))
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
     facts = facts_of(source, ("Required Inputs", "Results"))
-    return read_sheets(source, facts, _names, _test, corrections)
+    return read_sheets(source, facts, CHANNELS, _test, corrections)
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:
     """Return the test on a sheet, its depth as the vendor gives it or with the corrections chosen."""
-    names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
-    channels = {key: channel(source, sheet, name, key) for key, name in names.items()}
+    channels = values_of(source, sheet, CHANNELS)
     if corrections is not None:
         channels["depth"] = channel(source, sheet, "raw displacement", "depth")
         channels["raw"] = channel(source, sheet, "raw load", "load")
-    kept, warnings = usable(source, sheet, *channels.values())
+    kept, warnings = usable(sheet, *channels.values())
     time, load, depth, *force = (values[kept] for values in channels.values())
     if time[-1] < 0:
         raise InputError("the indenter never touched the sample", remedy="remove the test")
@@ -80,11 +68,10 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
         time = time - time[begin]
     measured = STIFFNESS[corrections is None or "frame" in corrections]
     named = headings_of(source, sheet)
-    extra = {
-        name: channel(source, sheet, name, "stiffness")[kept] for name in (FRAME.casefold(), measured) if name in named
-    }
-    frame = float(extra[FRAME.casefold()][begin]) if FRAME.casefold() in extra else 0.0
-    if FRAME.casefold() in extra:
+    known = FRAME.casefold()
+    extra = {name: channel(source, sheet, name, "stiffness")[kept] for name in (known, measured) if name in named}
+    frame = float(extra[known][begin]) if known in extra else 0.0
+    if known in extra:
         metadata = metadata | {f"{FRAME} [N/m]": f"{frame:g}"}
     if corrections is not None:
         raw = force[0] - force[0][begin]
@@ -94,16 +81,15 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
         if "frame" in corrections:
             depth = depth - raw * _compliance(frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
-    recording = Recording(time, load, depth, sheet, (f"from {source.path.name}",), stiffness)
-    return VendorTest(sheet, recording, metadata | evaluated(source, sheet, kept, load), warnings, marked)
+    facts = metadata | evaluated(source, sheet, kept, load)
+    return vendor_test(source, sheet, (time, load, depth), facts, warnings, marked=marked, stiffness=stiffness)
 
 
 def _drift(text: str | None) -> float:
     """Return the drift that the workbook states [nm/s]."""
-    try:
+    value = np.nan
+    with suppress(ValueError):
         value = np.nan if text is None else number(text)
-    except ValueError:
-        value = np.nan
     if not np.isfinite(value):
         problem = f"the sheet Results gives no {DRIFT}" if text is None else f"{DRIFT} is {text!r}, no number"
         raise InputError(problem, remedy="leave drift off")
@@ -117,4 +103,4 @@ def _compliance(stiffness: float) -> float:
     return 1e6 / stiffness
 
 
-READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read)
+READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read, corrects=True)

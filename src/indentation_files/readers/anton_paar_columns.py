@@ -18,17 +18,15 @@ from indentation_files.readers.numbers_in_text import require_tabs, table
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import scale
 from indentation_files.readers.vendor import (
-    Corrections,
     Reader,
     Unreadable,
     VendorTest,
     read_or_report,
-    refuse_corrections,
     unfinished,
     unless_all_fail,
     usable,
+    vendor_test,
 )
-from indentation_files.recording import Recording
 
 NAMES = {  # in English, French and German
     "time": ("Time", "Temps", "Zeit"),
@@ -54,14 +52,13 @@ def matches(source: Source) -> bool:
     )
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+def read(source: Source) -> list[VendorTest | Unreadable]:
     """Read all tests; depth is brought to the times of the load.
 
     A channel's time is the only one, or the last one named before it. The instrument writes the last point of a segment
     again as the first of the next; the repetition is dropped. Sheets of a workbook with another table come last, with
     what is wrong with them.
     """
-    refuse_corrections(source, corrections)
     if not source.workbook:
         return unless_all_fail(_tests(source, "", _of_text(source)))
     found = {sheet: read_or_report(source.path, sheet, _of_sheet, source, sheet) for sheet in source.sheets}
@@ -113,10 +110,10 @@ def _header(source: Source, sheet: str) -> int | None:
 
 def _of_text(source: Source) -> Columns:
     """Return the columns of a text file, each with its heading."""
-    require_tabs(source.first, source.path)
+    require_tabs(source.first)
     start = next(k for k, line in enumerate(source.lines) if line.strip())
     headings = source.lines[start].rstrip().split("\t")
-    values = table(source.lines[start + 1 :], start + 2, len(headings), source.path)
+    values = table(source.lines[start + 1 :], len(headings))
     return list(zip(headings, values.T, strict=True))
 
 
@@ -154,7 +151,7 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
                 f"has {len(found)} columns of {key}",
                 remedy="export both channels once, under a name of its own for each test",
             )
-        kept, messages = usable(source, f"{name}, {key}", *found[0])
+        kept, messages = usable(f"{name}, {key}", *found[0])
         warnings += [f"{key}: {message}" for message in messages]
         clean.append((found[0][0][kept], found[0][1][kept]))
     (time, force), (moments, path) = clean
@@ -162,8 +159,8 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
     if not common.all():
         warnings.append(f"{(~common).sum()} of {len(time)} points of the load left out: the depth has none there")
     time, force = time[common], force[common]
-    recording = Recording(time, force, np.interp(time, moments, path), name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)), marked=False)
+    channels = time, force, np.interp(time, moments, path)
+    return vendor_test(source, name, channels, {}, (*warnings, *unfinished(force)))
 
 
 def _common(time: np.ndarray, moments: np.ndarray) -> np.ndarray:

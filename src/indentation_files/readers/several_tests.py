@@ -164,9 +164,9 @@ def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
     before, after = channel[zeros - 1], channel[zeros + 1]
     spans = [np.ptp(values[np.isfinite(values)]) for values in (channel, other)]
     pressed = np.isfinite(other[zeros]) & (np.abs(other[zeros]) > SAME * spans[1])
-    near = np.abs(after - before) <= np.abs(before) / TWICE
     far = (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)
     with np.errstate(invalid="ignore"):
+        near = np.abs(after - before) <= np.abs(before) / TWICE
         for beside, away in ((before, -2), (after, 2)):
             beyond = channel[np.clip(zeros + away, 0, len(channel) - 1)]
             far &= ~(np.abs(2 * beside - beyond) < np.abs(beside) / TWICE)

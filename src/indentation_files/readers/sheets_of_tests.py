@@ -32,7 +32,7 @@ def tests_of(source: Source) -> dict[str, str]:
 def read_sheets(
     source: Source,
     facts: Mapping[str, Mapping[str, str]],
-    holds_channels: Callable[[Source, str], object],
+    channels: Mapping[str, Sequence[str]],
     read: Callable[..., VendorTest],
     *given: object,
 ) -> list[VendorTest | Unreadable]:
@@ -46,8 +46,8 @@ def read_sheets(
         The workbook.
     facts
         What it says of each test, by the number of the test.
-    holds_channels
-        Whether a sheet has the columns of a test.
+    channels
+        Spellings of the columns that a test has.
     read
         Reads a sheet: called with the workbook, the sheet's name, what is said of the test, and all that is `given`.
     """
@@ -57,16 +57,14 @@ def read_sheets(
         for sheet, number in numbered.items()
     ]
     for sheet in (sheet for sheet in source.sheets if sheet not in numbered):
-        found = read_or_report(source.path, sheet, holds_channels, source, sheet)
-        if not found:
-            continue
-        test = (
-            found
-            if isinstance(found, Unreadable)
-            else read_or_report(source.path, sheet, read, source, sheet, {}, *given)
-        )
-        reason = "the sheet holds the columns of a test, and is not called 'Test' with a number"
-        tests.append(replace(test, sought=False) if isinstance(test, Unreadable) else replace(test, uncounted=reason))
+        found: object = read_or_report(source.path, sheet, names_of, source, sheet, channels)
+        if isinstance(found, dict) and found:
+            found = read_or_report(source.path, sheet, read, source, sheet, {}, *given)
+        if isinstance(found, VendorTest):
+            reason = "the sheet holds the columns of a test, and is not called 'Test' with a number"
+            tests.append(replace(found, uncounted=reason))
+        elif isinstance(found, Unreadable):
+            tests.append(replace(found, sought=False))
     return unless_all_fail(tests)
 
 
@@ -81,6 +79,23 @@ def headings_of(source: Source, sheet: str) -> dict[str, int]:
 def first_of(names: Collection[str], spellings: Sequence[str]) -> str | None:
     """Return the first of some spellings that is among the names; None where none is."""
     return next((spelling for spelling in spellings if spelling in names), None)
+
+
+def names_among(names: Collection[str], channels: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the name of each of the channels, by their spellings, that is among the names; empty where one lacks."""
+    found = {key: name for key, spellings in channels.items() if (name := first_of(names, spellings))}
+    return found if len(found) == len(channels) else {}
+
+
+def names_of(source: Source, sheet: str, channels: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return what a sheet calls its channels; empty where it lacks one."""
+    return names_among(headings_of(source, sheet), channels)
+
+
+def values_of(source: Source, sheet: str, channels: Mapping[str, Sequence[str]]) -> dict[str, np.ndarray]:
+    """Return the channels of a sheet by their keys, as `channel` does, which refuses a sheet that lacks one."""
+    names = names_of(source, sheet, channels) or {key: spellings[0] for key, spellings in channels.items()}
+    return {key: channel(source, sheet, name, key) for key, name in names.items()}
 
 
 def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
@@ -106,22 +121,21 @@ def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
     index = headings_of(source, sheet).get(name)
     start = 1 + has_row_of_units(source, sheet)
     if index is None or len(rows) < start + 1:
-        raise InputError(
-            f"lacks the column {name!r} or its values", remedy="export it too", file=source.path,
-            place=f"sheet {sheet}",
-        )  # fmt: skip
+        problem = f"lacks the column {name!r} or its values"
+        raise InputError(problem, remedy="export it too", place=f"sheet {sheet}")
     stated, known = stated_unit(source, sheet, name), SCALES.get(quantity, STIFFNESS)
     unit = unit_of(quantity, stated) if quantity in SCALES else stated
     if unit not in known:
         called = BRACKETED.sub("", plain(str(rows[0][index]))).strip()
         raise InputError(
             f"{called} is in {stated!r}" if stated else f"states no unit of {called}, in brackets or in its second row",
-            remedy=f"export it in one of: {', '.join(known)}", file=source.path, place=f"sheet {sheet}",
-        )  # fmt: skip
+            remedy=f"export it in one of: {', '.join(known)}",
+            place=f"sheet {sheet}",
+        )
     alike = [[row[k] for row in rows[:start]] for k in range(len(rows[0]))]
     twice = [k for k, heading in enumerate(alike) if k != index and heading == alike[index]]
     if any(row[k] != row[index] for row in rows[start:] for k in twice):
-        raise several_of(str(rows[0][index]), source.path)
+        raise several_of(str(rows[0][index]))
     cells = [[row[index]] for row in rows[start:]]
     (values,) = numbers(cells, lambda row: f"sheet {sheet}, row {first + start + row}").T
     return known[unit] * np.where(np.isfinite(values), values, np.nan)

@@ -89,14 +89,17 @@ class Reader:
     matches
         Whether a file is of this format, by its content.
     read
-        Reads all tests, and says which it cannot. The corrections are those to be in the depth: None for the vendor's
-        own, otherwise a set of ``drift`` and ``frame``; `InputError` where the file does not hold what that needs.
+        Reads all tests, and says which it cannot; what it raises is given the file.
+    corrects
+        Whether the vendor's corrections can be chosen, so that `read` takes those to be in the depth too: None for the
+        vendor's own, otherwise a set of ``drift`` and ``frame``; `InputError` where the file lacks what that needs.
     """
 
     key: str
     title: str
     matches: Callable[[Source], bool]
-    read: Callable[[Source, Corrections], Sequence[VendorTest | Unreadable]]
+    read: Callable[..., Sequence[VendorTest | Unreadable]]
+    corrects: bool = False
 
 
 def read_or_report(path: Path, name: str, read: Callable[..., Found], *given: Any) -> Found | Unreadable:
@@ -155,40 +158,41 @@ def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[s
         yield f"{path}, {name}{and_more(warnings)}: {warning}"
 
 
-def refuse_corrections(source: Source, corrections: Corrections) -> None:
+def refuse_corrections(corrections: Corrections) -> None:
     """Raise `InputError` when corrections are chosen on a file that holds nothing but the final channels."""
     if corrections is not None:
         raise InputError(
             "this export holds the vendor's final channels only",
             remedy="leave --raw and --correct off, or export raw data",
-            file=source.path,
         )
 
 
-def corrected(
-    displacement: np.ndarray,
-    time: np.ndarray,
-    load: np.ndarray,
+def vendor_test(
+    source: Source,
+    name: str,
+    channels: Sequence[np.ndarray],
+    facts: Mapping[str, Any],
+    warnings: tuple[str, ...],
     *,
-    drift: float,
-    compliance: float,
-    corrections: frozenset[str],
-) -> np.ndarray:
-    """Return displacement (n,) [nm] less the drift and the frame's deflection, where they are among `corrections`.
+    marked: bool = False,
+    stiffness: np.ndarray | None = None,
+) -> VendorTest:
+    """Return a `VendorTest` whose recording states the file that it is from.
 
     Parameters
     ----------
-    displacement, time, load : ndarray, shape (n,)
-        [nm], [s] and [mN], all counted from contact.
-    drift, compliance
-        [nm/s], [nm/mN].
+    source
+        The file.
+    channels
+        Time [s], load [mN] and depth [nm], each (n,).
+    facts
+        The test's metadata.
+    stiffness
+        That of the `Recording`.
     """
-    depth = displacement.copy()
-    if "drift" in corrections:
-        depth -= drift * time
-    if "frame" in corrections:
-        depth -= compliance * load
-    return depth
+    time, load, depth = channels
+    recording = Recording(time, load, depth, name, (f"from {source.path.name}",), stiffness)
+    return VendorTest(name, recording, facts, warnings, marked)
 
 
 def contact(load: np.ndarray, depth: np.ndarray) -> int:
@@ -218,7 +222,7 @@ def unfinished(load: np.ndarray) -> tuple[str, ...]:
     return (f"ends under {load[-1]:.4g} of {load.max():.4g} mN, not unloaded; the file may be cut off",)
 
 
-def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def usable(place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the indices of the points that make a test, and in words which are left out.
 
     Points without a number before the first whole one and after the last are no damage: a channel may begin later or
@@ -244,10 +248,8 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     filled = whole(channels) & ~idle
     complete = np.flatnonzero(filled).astype(np.int32)
     if len(complete) < 2:
-        raise InputError(
-            "holds fewer than two points with a number in every channel", remedy="export the test again",
-            file=source.path, place=place,
-        )  # fmt: skip
+        problem = "holds fewer than two points with a number in every channel"
+        raise InputError(problem, remedy="export the test again", place=place)
     between = ~idle
     between[: complete[0]] = between[complete[-1] + 1 :] = False
     clock = taken(time, filled)
@@ -257,10 +259,8 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     damaged = {"no number": np.flatnonzero(between & ~filled), "time goes back": complete[~later & ~still]}
     repeated = {"time stands still": complete[still]}
     if count - len(kept) > MOST_LEFT_OUT * count:
-        raise InputError(
-            f"{_listed(damaged | repeated)}: {count - len(kept)} of {count} points cannot be used",
-            remedy="export the test again", file=source.path, place=place,
-        )  # fmt: skip
+        problem = f"{_listed(damaged | repeated)}: {count - len(kept)} of {count} points cannot be used"
+        raise InputError(problem, remedy="export the test again", place=place)
     lost = sum(map(len, damaged.values()))
     reported = [f"{lost} of {count} points left out: {_listed(damaged)}"] if lost else []
     reported += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
@@ -276,8 +276,4 @@ def first_few(items: Sequence[int | str] | np.ndarray) -> str:
 
 def _listed(causes: Mapping[str, np.ndarray]) -> str:
     """Return each cause with the numbers of the first few points that it strikes, counted from 1."""
-    listed = []
-    for cause, points in causes.items():
-        if len(points):
-            listed.append(f"{cause} (point {first_few(points + 1)})")
-    return ", ".join(listed)
+    return ", ".join(f"{cause} (point {first_few(at + 1)})" for cause, at in causes.items() if len(at))
