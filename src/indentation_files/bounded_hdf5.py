@@ -21,14 +21,9 @@ WHOLE = "--whole"  # argument of this file's own process
 class Hdf5Tables:
     """One-dimensional tables of an HDF5 file.
 
-    Parameters
-    ----------
-    groups
-        For each group by its path its columns of numbers by their names, each with the attributes of the column.
-    attributes
-        The attributes of each group, as text.
-    problem
-        What is wrong with the file; empty where nothing is.
+    `groups` has for each group by its path its columns of numbers by their names, each with the attributes of the
+    column, `attributes` those of each group as text. `problem` says what is wrong with the file; empty where nothing
+    is.
     """
 
     groups: dict[str, dict[str, tuple[list[float], dict[str, str]]]] = field(default_factory=dict)

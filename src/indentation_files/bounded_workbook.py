@@ -13,16 +13,9 @@ from indentation_files.bounded_process import BEYOND, parsed, serve
 class Workbook:
     """What a workbook holds.
 
-    Parameters
-    ----------
-    sheets
-        Rows of each sheet by its name, and the numbers of its first row and first column that hold anything, from 1.
-    damaged
-        What is wrong with the sheets that cannot be read, by their names.
-    hidden
-        The names of sheets that a spreadsheet program does not show.
-    problem
-        What is wrong with the whole workbook; empty where nothing is.
+    `sheets` has the rows of each sheet by its name, behind the numbers of its first row and first column that hold
+    anything, from 1; `damaged` what is wrong with those that cannot be read. `hidden` names the sheets that a
+    spreadsheet program does not show. `problem` says what is wrong with the whole workbook; empty where nothing is.
     """
 
     sheets: dict[str, tuple[int, int, list[list[Any]]]] = field(default_factory=dict)

@@ -18,16 +18,9 @@ VAGUE = 0.1  # of the test's depth, chosen: a wider interval of contact is repor
 
 @dataclass(frozen=True)
 class Sought:
-    """A contact that was sought, in the file's own counting of the depth.
+    """A contact that was sought in a recording, with its 95 % interval [nm], in the file's own counting of the depth.
 
-    Attributes
-    ----------
-    name
-        Of the recording.
-    depth, lower, upper
-        Contact and its 95 % interval [nm].
-    reach
-        Largest depth beyond it [nm].
+    `reach` is the largest depth beyond it [nm].
     """
 
     name: str

@@ -42,18 +42,12 @@ _FOUND: dict[str, ContactPoint] = {}  # by checksum: a test is read, surveyed an
 class ContactPoint:
     """A point of contact with its 95 % interval along the depth.
 
-    Attributes
-    ----------
-    index
-        Last recorded point before contact.
-    time, load, depth
-        [s], what the load reads without contact [mN], [nm]; all in the recording's own counting.
-    lower, upper
-        Ends of the interval of the depth [nm].
-    baseline_time, baseline_load : ndarray, shape (n,)
-        What the load reads without contact [mN], over time [s]; empty where contact was given.
-    baseline_terms
-        What the baseline shows beside its offset: ``tilt``, ``drift``, ``sine`` (with ``cosine``), ``transient``.
+    `index` is the last recorded point before contact, `time` [s] and `depth` [nm] are its own, and `load` [mN] is what
+    the load reads without contact; all in the recording's own counting. `lower` and `upper` end the interval of the
+    depth [nm].
+
+    The baseline is what the load reads without contact [mN] over time [s], both (n,); empty where contact was given.
+    Its terms beside the offset are ``tilt``, ``drift``, ``sine`` (with ``cosine``), ``transient``.
     """
 
     index: int
@@ -75,16 +69,11 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     reaches a step from one recorded point to the next at least. Where the load in air contradicts the law's contact,
     that is bounded by the air instead (`indentation_files.departure`).
 
-    Parameters
-    ----------
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm]; with or without approach. Where the load rises from the first
-        point on as by a law, and the tip does not retreat, it is taken to be zero before contact.
+    Time [s], load [mN] and depth [nm], each (n,), may have an approach or none. Where the load rises from the first
+    point on as by a law, and the tip does not retreat, it is taken to be zero before contact.
 
-    Raises
-    ------
-    InputError
-        When fewer than six points lie between the start and the largest load, or load or depth does not change there.
+    Raises `InputError` when fewer than six points lie between the start and the largest load, or load or depth does not
+    change there.
     """
     key = hashlib.sha256(np.concatenate([time, load, depth]).tobytes()).hexdigest()
     if key not in _FOUND:
@@ -192,17 +181,8 @@ def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of contact at a depth that the user gives; the load there is the median of ten points before.
 
-    Parameters
-    ----------
-    contact
-        Depth of the contact [nm].
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm].
-
-    Raises
-    ------
-    InputError
-        When the tip is not on its way in at that depth.
+    The depth of the `contact` is in nm, and the recording's `time`, `load` and `depth`, each (n,), are in s, mN and nm.
+    Raises `InputError` when the tip is not on its way in at that depth.
     """
     first, last = way_in(load, depth)
     if not depth[first] <= contact < depth[last]:

@@ -45,16 +45,8 @@ EVERY_NOISE = (ResidualNoise(), *starmap(ResidualNoise, product(AMPLITUDES, CORR
 class Found:
     """What a search found; depth, time and load run over a unit.
 
-    Attributes
-    ----------
-    contact, lower, upper
-        Median of the posterior and ends of its interval of highest density.
-    time, baseline : ndarray, shape (n,)
-        The best baseline.
-    terms
-        Kinds of its terms.
-    in_air
-        Points before contact.
+    The contact is the median of the posterior, between the ends of its interval of highest density. The best `baseline`
+    (n,) over `time` (n,) has terms of the kinds `terms`; `in_air` points lie before contact.
     """
 
     contact: float
@@ -71,14 +63,9 @@ def searched(
 ) -> Found:
     """Search the contact of a loading.
 
-    Parameters
-    ----------
-    time, load, depth : ndarray, shape (n,)
-        From the start of the approach to nearly the largest load; each runs over a unit.
-    noise
-        White noise of load and of depth.
-    approach
-        Whether there is one; without, contact may lie before the first point, where the load is zero.
+    It leads from the start of the approach to nearly the largest load; `time`, `load` and `depth`, each (n,), run over
+    a unit. The `noise` is the white one of load and of depth. Without an `approach` contact may lie before the first
+    point, where the load is zero.
     """
     guess, contact, left = coarse(time, load, depth, approach)
     reach = float(np.ptp(depth))
@@ -210,12 +197,8 @@ def coarse(
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
     """Return depths and loads (n,) of the law, and the contact, that fit the loading best on a straight baseline.
 
-    The last value is the mean square of the residual; without an approach the baseline is zero.
-
-    Parameters
-    ----------
-    time, load, depth, approach
-        As for `searched`.
+    The last value is the mean square of the residual. The arguments `time`, `load`, `depth` and `approach` are as for
+    `searched`; without an approach the baseline is zero.
     """
     blocks = _even(time, load, depth)
     end, start = float(blocks.depth.max()), float(blocks.depth.min())

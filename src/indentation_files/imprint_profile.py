@@ -19,17 +19,8 @@ SHALLOWEST = 1.0  # nm; what is less deep is in um, or no imprint
 class ImprintProfile:
     """Heights above the surface around, averaged over all directions; negative within the imprint.
 
-    Parameters
-    ----------
-    radius, height : ndarray, shape (n,)
-        [nm], the radius increasing from zero or above.
-    name
-        Such as that of its file.
-
-    Raises
-    ------
-    InputError
-        When there are too few points, one is not a number, radii do not increase, or there is no imprint.
+    `radius` and `height` (n,) are in nm, the radius increasing from zero or above. Raises `InputError` when there are
+    too few points, one is not a number, radii do not increase, or there is no imprint.
     """
 
     radius: np.ndarray
@@ -56,13 +47,7 @@ class ImprintProfile:
 
 
 def read_imprint(path: str | Path) -> ImprintProfile:
-    """Read a CSV with the header `HEADER`.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or has another header, a line is no numbers, or they are no imprint.
-    """
+    """Read a CSV with the header `HEADER`; raises `InputError` when it is missing, has another, or holds no imprint."""
     path = Path(path)
     (radius, height), _ = read_table(path, HEADER)
     with located_in(path):

@@ -129,10 +129,7 @@ class Recording:
     def write(self, path: str | Path) -> None:
         """Write the recording as CSV; the file appears whole or not at all.
 
-        Raises
-        ------
-        InputError
-            When something exists there that is no file.
+        Raises `InputError` when something exists there that is no file.
         """
         path = Path(path)
         if path.exists() and not path.is_file():
@@ -183,12 +180,9 @@ def spaced(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: int = 1) -> None:
-    """Check that points (n,) are numbers and their times increase; the number of the `first` one is for messages.
+    """Check that points (n,) are numbers and their times increase; raises `InputError` when one is not, or does not.
 
-    Raises
-    ------
-    InputError
-        When one is not, or does not.
+    The points are `time`, `load` and `depth`; the number of the `first` one is for messages.
     """
     for key, values in (("time_s", time), ("load_mN", load), ("depth_nm", depth)):
         if not np.all(np.isfinite(values)):

@@ -69,11 +69,8 @@ def holds_synthetic(folder: Path) -> bool:
 def read_recording(path: str | Path) -> Recording:
     """Read a recording CSV and check it; its stiffness may lie in a folder beside (`Recording.write_apart`).
 
-    Raises
-    ------
-    InputError
-        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
-        beside it is that of other times.
+    Raises `InputError` when the file is missing, empty, has another header, text, gaps or times that do not increase,
+    or the stiffness beside it is that of other times.
     """
     path = Path(path)
     return with_stiffness_beside(_recording_at(path), path)
@@ -117,10 +114,7 @@ def read_history(path: Path, control: str) -> Recording:
 def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
     """Return the columns (k, n) of a CSV that has a `header`, and all of its comments.
 
-    Raises
-    ------
-    InputError
-        When the file is missing, has another header, or a line is no such numbers.
+    Raises `InputError` when the file is missing, has another header, or a line is no such numbers.
     """
     lines = _numbered(path)
     notes, number, found = _begun(lines)
@@ -230,12 +224,8 @@ def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] |
 def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
     """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else.
 
-    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`).
-
-    Raises
-    ------
-    InputError
-        When a time, load or depth is not a number, or a time does not increase; points that are not kept count as well.
+    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`). Raises `InputError`
+    when a time, load or depth is not a number, or a time does not increase; points that are not kept count as well.
     """
     import pyarrow as pa
     from pyarrow import csv

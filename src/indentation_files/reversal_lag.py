@@ -41,15 +41,7 @@ NORMAL_95 = float(ndtri(0.975))
 
 @dataclass(frozen=True)
 class ReversalLag:
-    """A lag of the depth behind the load.
-
-    Attributes
-    ----------
-    lag, lower, upper
-        Estimate and 95 % interval [s].
-    corners
-        Number of corners of load histories that it rests on.
-    """
+    """A lag of the depth behind the load [s]: estimate, 95 % interval, and on how many corners it rests."""
 
     lag: float
     lower: float

@@ -24,17 +24,8 @@ HOLDS = 0.2  # share of the time by which the stress must be held longer than th
 class UniaxialTest:
     """Time, logarithmic strain and true stress of one test in tension or compression; tension is positive.
 
-    Parameters
-    ----------
-    time, strain, stress : ndarray, shape (n,)
-        [s] increasing, [-], [GPa].
-    name
-        Such as that of its file.
-
-    Raises
-    ------
-    InputError
-        When there are too few points, one is not a number, or a time does not increase.
+    `time` [s] increases, `strain` is a ratio, `stress` is in GPa, each (n,). Raises `InputError` when there are too few
+    points, one is not a number, or a time does not increase.
     """
 
     time: np.ndarray
@@ -76,13 +67,9 @@ def _time_held(time: np.ndarray, values: np.ndarray) -> float:
 def read_uniaxial(path: str | Path) -> UniaxialTest:
     """Read a CSV with the header `HEADER`; of more than `MOST` points as many are kept, evenly.
 
-    A comment ``# engineering`` says that strain and stress are nominal; they are converted by ln(1 + strain) and
-    stress (1 + strain), for a body that keeps its volume. ``# compression`` says that both are positive in compression.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or has another header, a line is no numbers, or they are no test.
+    A comment ``# engineering`` says that strain and stress are nominal; they are converted by ln(1 + strain) and stress
+    (1 + strain), for a body that keeps its volume. ``# compression`` says that both are positive in compression. Raises
+    `InputError` when the file is missing or has another header, a line is no numbers, or they are no test.
     """
     path = Path(path)
     (time, strain, stress), notes = read_table(path, HEADER)

@@ -98,17 +98,9 @@ def read_each(
 ) -> list[VendorTest | Unreadable]:
     """Read all tests of a vendor's file as `read_vendor_file` does, and say what is wrong with those that cannot be.
 
-    Parameters
-    ----------
-    path, sha256, corrections, contact, columns
-        See `read_vendor_file`.
-    columns_required
-        Whether a file of a known format that lacks the columns is refused: they are meant for this very file.
-
-    Raises
-    ------
-    InputError
-        When no test can be read.
+    The arguments `path`, `sha256`, `corrections`, `contact` and `columns` are as there. `columns_required` refuses a
+    file of a known format that lacks the columns: they are meant for this very file. Raises `InputError` when no test
+    can be read.
     """
     path = Path(path)
     refuse_special(path)
@@ -135,12 +127,8 @@ def read_each(
 def locate(named: str, data: str | None) -> str:
     """Return the vendor's file: `data`, or what lies below the folder `data` under the path that a study gives.
 
-    Where nothing lies under the whole path, the name alone counts.
-
-    Raises
-    ------
-    InputError
-        When several files below the folder answer to the path or to the name.
+    Where nothing lies under the whole path, the name alone counts. Raises `InputError` when several files below the
+    folder answer to the path or to the name.
     """
     if data is None or not named or not Path(data).is_dir():
         return data or named
@@ -161,10 +149,7 @@ def locate(named: str, data: str | None) -> str:
 def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     """Read the tests of each condition from a study's section ``source``.
 
-    Raises
-    ------
-    InputError
-        When a test is missing, cannot be read or is named twice, or the file lacks the columns that are given.
+    Raises `InputError` when a test is missing, cannot be read or is named twice, or the file lacks the columns given.
     """
     with part_of("source"):
         columns = ColumnMap.stated(source.get("columns"), source.get("units"))
@@ -253,19 +238,8 @@ def select(
 ) -> VendorTest:
     """Return the test called `wanted`, or the one of that number: its own as in ``Test 010``, or counted from 1.
 
-    Parameters
-    ----------
-    tests
-        Tests of the file.
-    wanted
-        Name or number.
-    path, place
-        The file, and where the choice was made, for messages.
-
-    Raises
-    ------
-    InputError
-        When there is none, or it cannot be read.
+    `tests` are those of the file `path`, and `place` is where the choice was made, for messages. Raises `InputError`
+    when there is none, or it cannot be read.
     """
     named = {test.name: test for test in tests}
     numbered = dict(zip(numbers_of([test.name for test in tests]), tests, strict=True))

@@ -64,10 +64,7 @@ def _ending(source: Source) -> str | None:
 def read(source: Source) -> list[VendorTest | Unreadable]:
     """Read all curves of the file, with their approach.
 
-    Raises
-    ------
-    InputError
-        When the library is missing, the file states no spring constant, or no curve can be read.
+    Raises `InputError` when the library is missing, the file states no spring constant, or no curve can be read.
     """
     ending = _ending(source)
     if ending == ".ibw" and (lacking := [name for name, key in CALIBRATION.items() if not stated(source.content, key)]):

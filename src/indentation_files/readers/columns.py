@@ -37,19 +37,16 @@ EPOCH = (1e9, 4.2e9)  # seconds since 1970, in the years 2001 to 2103
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     """Read the table of a text file, or one from each sheet of a workbook that holds the columns.
 
-    A table may hold several tests below one another (`indentation_files.readers.several_tests`). Sheets that give
-    none, and hold a table, come last, with what is wrong with them: so the tests keep their numbers.
+    A table may hold several tests below one another (`indentation_files.readers.several_tests`). Sheets that give none,
+    and hold a table, come last, with what is wrong with them: so the tests keep their numbers.
 
     The header is the first row with all names; where columns are given by their numbers it gives nothing but units.
     Rows without any number, of units and remarks, do no harm before and after the numbers, nor do rows that are written
     twice or zeros at the end; other rows without three, or with a time that does not increase, are left out with a
     warning.
 
-    Raises
-    ------
-    InputError
-        When no table has the columns, or none that has them can be read: it has several of a name, more than a
-        twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
+    Raises `InputError` when no table has the columns, or none that has them can be read: it has several of a name, more
+    than a twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
     """
     tables = tables_of(source)
     found = [_tests(table, columns) for table in tables]

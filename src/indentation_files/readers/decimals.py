@@ -32,20 +32,12 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str], sign: st
     """Return the numbers in `rows` of as many cells each (n, k): NaN for text, infinite for an empty or invalid cell.
 
     ``1,143.74``, ``1.143,74`` and ``1'143.74`` are one number; ``1,200`` may be two. The sign that makes numbers of
-    more of the table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e20 mean "invalid". A column
-    whose every cell has three digits behind the other sign may hold fractions.
+    more of the table's cells is its decimal sign, unless other rows of the table show it (`sign`). ``nan``, ``inf`` and
+    numbers beyond 1e20 mean "invalid". A column whose every cell has three digits behind the other sign may hold
+    fractions.
 
-    Parameters
-    ----------
-    place
-        Where a row is in the file, for messages.
-    sign
-        The decimal sign, where other rows of the table show it.
-
-    Raises
-    ------
-    InputError
-        When a point and a comma make numbers of as many cells, but not the same numbers, or of a whole column.
+    Raises `InputError`, with the `place` of a row in the file, when a point and a comma make numbers of as many cells,
+    but not the same numbers, or of a whole column.
     """
     if sign:
         return _by_sign(rows, sign)

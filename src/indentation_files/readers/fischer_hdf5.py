@@ -45,13 +45,7 @@ def matches(source: Source) -> bool:
 
 
 def read(source: Source) -> list[VendorTest | Unreadable]:
-    """Read all tests.
-
-    Raises
-    ------
-    InputError
-        When the library h5py is missing, or no test can be read.
-    """
+    """Read all tests; raises `InputError` when the library h5py is missing, or no test can be read."""
     if not available():
         raise InputError("Fischer's HDF5 needs the library h5py", remedy="install it: pip install h5py")
     found = read_hdf5(source.content)

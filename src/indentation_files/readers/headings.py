@@ -104,21 +104,10 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     Without these, a word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``, ``load_micro_N``. A
     single letter in it may also belong to the name, as in ``F_N``.
 
-    Parameters
-    ----------
-    key
-        ``time``, ``load`` or ``depth``.
-    column
-        What the user calls the column, for messages.
-    heading
-        Its name in the table; empty where the table names none.
-    alone
-        Other texts about the column: cells of rows of units and of remarks.
-
-    Raises
-    ------
-    InputError
-        When the unit is not known or has a factor, may be part of the name, or is stated twice and differently.
+    The `key` is ``time``, ``load`` or ``depth``, `column` what the user calls the column, for messages, and `heading`
+    its name in the table; empty where the table names none. Other texts about the column stand `alone`: cells of rows
+    of units and of remarks. Raises `InputError` when the unit is not known or has a factor, may be part of the name, or
+    is stated twice and differently.
     """
     texts = [SPELT_OUT.sub(_abbreviated, plain(text)) for text in (*alone, heading)]
     bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]

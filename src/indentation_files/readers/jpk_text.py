@@ -34,15 +34,7 @@ SPREAD = "the file holds no time: the points of each segment are spread evenly o
 
 @dataclass(frozen=True)
 class ExportedSegment:
-    """One segment of a force curve.
-
-    Parameters
-    ----------
-    facts
-        Entries of its header.
-    channels
-        Its columns, each with its unit.
-    """
+    """One segment of a force curve: the entries of its header, and its columns, each with its unit."""
 
     facts: dict[str, str]
     channels: dict[str, tuple[np.ndarray, str]]

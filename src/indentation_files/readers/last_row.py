@@ -18,14 +18,8 @@ def without_odd_end(channels: Channels, cells: Table) -> tuple[list[np.ndarray],
     """Return channels (n,) without a last row that is no point, and what is said of it.
 
     That is one whose load and depth both lie farther from all others than these from one another, under a time that
-    jumps, as the sums of the columns do; and one in which a text breaks off within a number.
-
-    Parameters
-    ----------
-    channels
-        Time, load and depth.
-    cells
-        Their cells in the table.
+    jumps, as the sums of the columns do; and one in which a text breaks off within a number. The channels are time,
+    load and depth, `cells` their cells in the table.
     """
     filled = whole(channels)
     rows = max(len(filled) - LOOKED_AT, 0) + np.flatnonzero(filled[-LOOKED_AT:])[-BEFORE - 2 :]
@@ -56,14 +50,7 @@ def _beyond(values: np.ndarray) -> bool:
 def _breaks_off(cells: Table, last: int, jumps: Sequence[bool] | np.ndarray) -> bool:
     """Return whether a text ends in a row, without a line's end, in a number that is shorter than the one before.
 
-    Parameters
-    ----------
-    cells
-        The cells of time, load and depth.
-    last
-        The row.
-    jumps
-        Whether the time, the load and the depth jump there.
+    Of time, load and depth those count that jump there.
     """
     lines = cells.source.lines
     if not len(lines) or cells.numbers[last] != len(lines):

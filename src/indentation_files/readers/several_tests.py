@@ -25,16 +25,9 @@ Channels = Sequence[np.ndarray]  # the time first, each of shape (n,)
 class Part:
     """The rows of one test.
 
-    Parameters
-    ----------
-    rows
-        Their numbers in the table.
-    channels
-        Time, load and depth; time goes on over segments.
-    idle : ndarray of bool, shape (n,)
-        Rows that are no damage and hold nothing new: written twice, or zeros at the end.
-    messages
-        What is reported to the user.
+    `rows` are their numbers in the table, `channels` time, load and depth; time goes on over segments. `idle` (n,)
+    marks rows that are no damage and hold nothing new: written twice, or zeros at the end. The `messages` are for the
+    user.
     """
 
     rows: range
@@ -46,12 +39,7 @@ class Part:
 def parted(channels: Channels, broken: np.ndarray, place: Callable[..., str]) -> list[Part]:
     """Return the tests in the `channels` of a table, which are not finite where a row holds no number.
 
-    Parameters
-    ----------
-    broken : ndarray of bool, shape (n,)
-        Whether a blank row or a repeated header comes before a row.
-    place
-        Where rows are in the file, for messages.
+    `broken` (n,) says whether a blank row or a repeated header comes before a row, `place` where rows are in the file.
     """
     time, *others = channels
     idle = written_twice(channels) | padding(channels)

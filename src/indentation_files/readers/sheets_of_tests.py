@@ -40,16 +40,9 @@ def read_sheets(
 
     The latter may be averages or a test that was renamed: they are left out, with a reason, unless somebody names them.
 
-    Parameters
-    ----------
-    source
-        The workbook.
-    facts
-        What it says of each test, by the number of the test.
-    channels
-        Spellings of the columns that a test has.
-    read
-        Reads a sheet: called with the workbook, the sheet's name, what is said of the test, and all that is `given`.
+    `facts` are what the workbook, `source`, says of each test, by the number of the test. A test has the columns
+    `channels`, of these spellings. `read` is called with the workbook, a sheet's name, what is said of the test, and
+    all that is `given`.
     """
     numbered = tests_of(source)
     tests = [
@@ -101,21 +94,9 @@ def values_of(source: Source, sheet: str, channels: Mapping[str, Sequence[str]])
 def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
     """Return a column (n,) of a sheet in s, nm, mN or N/m, be its cells numbers or text.
 
-    Empty cells, words and the 1.8e308 that means "invalid" are NaN.
-
-    Parameters
-    ----------
-    source, sheet
-        The workbook, and the name of the sheet.
-    name
-        As `headings_of` gives it.
-    quantity
-        What it holds: ``time``, ``load``, ``depth`` or ``stiffness``.
-
-    Raises
-    ------
-    InputError
-        When the column is missing or has a unit that is none of what it holds.
+    Empty cells, words and the 1.8e308 that means "invalid" are NaN. The `sheet` of the workbook `source` and the
+    column's `name`, as `headings_of` gives it, say which; the `quantity` is ``time``, ``load``, ``depth`` or
+    ``stiffness``. Raises `InputError` when the column is missing or has a unit that is none of what it holds.
     """
     first, rows = source.placed_sheet(sheet)
     index = headings_of(source, sheet).get(name)
@@ -173,16 +154,8 @@ def evaluated(source: Source, sheet: str, kept: np.ndarray, load: np.ndarray) ->
     """Return what a test's own columns of modulus and hardness say, as the results of a test are stated.
 
     It is the value in the row of the largest load, or else the median of those in the upper half of the loading, where
-    a continuous stiffness gives one in each row.
-
-    Parameters
-    ----------
-    source, sheet
-        The workbook, and the name of the sheet.
-    kept : ndarray, shape (n,)
-        Rows of numbers that make the test, from 0.
-    load : ndarray, shape (n,)
-        Its load [mN].
+    a continuous stiffness gives one in each row. Of the `sheet` of the workbook `source` the rows of numbers `kept`
+    (n,), from 0, make the test, under a `load` (n,) [mN].
     """
     facts: dict[str, str] = {}
     rows = source.sheet(sheet)[1 + has_row_of_units(source, sheet) :]

@@ -32,15 +32,7 @@ WIDEST = (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)  # the first begins as UTF-1
 
 @dataclass(frozen=True)
 class Source:
-    """A vendor's file.
-
-    Parameters
-    ----------
-    path
-        Where it lies; its ending means nothing.
-    stream
-        Its bytes, open for reading.
-    """
+    """A vendor's file: where it lies, whose ending means nothing, and its bytes, open for reading."""
 
     path: Path
     stream: BinaryIO = field(repr=False)

@@ -23,27 +23,14 @@ from indentation_files.readers.tables import Table
 class TableBody:
     """A table's rows of time, load and depth.
 
-    Parameters
-    ----------
-    table
-        The whole table.
-    places
-        Of the three columns in its rows.
-    cells
-        Its cells of the three columns, below the header where the columns are given by their names.
-    named, header
-        The row in the table that holds the columns' names, and the header's: the former, or, where the columns are
-        given by their numbers, the first row of words above the numbers. None where there is none.
-    above
-        The cells for time, load and depth in the rows before the first number.
-    channels
-        The numbers in the cells: NaN for text, infinite for an empty or invalid cell.
-    repeated, broken : ndarray of bool, shape (n,)
-        Whether a row is the header again, and whether that or a blank row comes before it.
-    of_clock
-        Whether the times are read off a clock, in seconds.
-    messages
-        What is reported to the user about that, and about the last row.
+    `places` are those of the three columns in the rows of the whole `table`, `cells` its cells of these, below the
+    header where the columns are given by their names. `named` is the row that holds these names; `header` the same, or,
+    where the columns are given by their numbers, the first row of words above the numbers. None where there is none.
+    `above` are the cells in the rows before the first number.
+
+    `channels` are the numbers in the cells: NaN for text, infinite for an empty or invalid cell. `repeated` (n,) says
+    whether a row is the header again, `broken` (n,) whether that or a blank row comes before it. `of_clock` says
+    whether the times are read off a clock, in seconds; the `messages` are on that, and on the last row.
     """
 
     table: Table

@@ -58,18 +58,10 @@ class VendorTest:
 
 @dataclass(frozen=True)
 class Unreadable:
-    """A test that cannot be read, which keeps nobody from the others of its file.
+    """A test that cannot be read, which keeps nobody from the others of its file, and what is wrong with it.
 
-    Parameters
-    ----------
-    name
-        The test's name in the file.
-    error
-        What is wrong with it.
-    sought
-        Whether it is known to be a test; a workbook's sheet with another table, which need not be one, is not.
-    uncounted
-        The test, where it could be read and is left out unless somebody names it.
+    It is `sought` where it is known to be a test; a workbook's sheet with another table need not be one. A test that
+    could be read, and is left out unless somebody names it, is kept as `uncounted`.
     """
 
     name: str
@@ -177,18 +169,10 @@ def vendor_test(
     marked: bool = False,
     stiffness: np.ndarray | None = None,
 ) -> VendorTest:
-    """Return a `VendorTest` whose recording states the file that it is from.
+    """Return a `VendorTest` of the file `source` whose recording states that.
 
-    Parameters
-    ----------
-    source
-        The file.
-    channels
-        Time [s], load [mN] and depth [nm], each (n,).
-    facts
-        The test's metadata.
-    stiffness
-        That of the `Recording`.
+    The `channels` are time [s], load [mN] and depth [nm], each (n,); `facts`, `warnings` and `marked` are the test's
+    metadata, warnings and mark, `name` and `stiffness` the recording's.
     """
     time, load, depth = channels
     recording = Recording(time, load, depth, name, (f"from {source.path.name}",), stiffness)
@@ -229,18 +213,9 @@ def usable(place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarra
     end earlier. Nor are repeated times (the last point of a segment is often written again as the first of the next),
     points written twice, and zeros at the end. Of very many points evenly spaced ones are kept (`spaced`).
 
-    Parameters
-    ----------
-    place
-        Where the points are in the file, for messages.
-    time, others : ndarray, shape (n,)
-        All channels that the test needs; NaN where the file holds no number.
-
-    Raises
-    ------
-    InputError
-        When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
-        than two are left.
+    The channels that a test needs, `time` and `others`, each (n,), are NaN where the file holds no number. Raises
+    `InputError`, for the `place` in the file, when more than a twentieth of the points between the first and the last
+    whole one would have to go, or fewer than two are left.
     """
     channels = without_stand_ins([time, *others])
     zeros = padding(channels)

@@ -49,23 +49,16 @@ LAST_FREE = 10  # points of an approach from which the load without contact is t
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     """Return a test whose time, load and depth are zero at contact; it begins there and ends when the tip has left.
 
-    Parameters
-    ----------
-    test
-        With its approach; time is zero at the file's contact.
-    contact
-        ``file``: the approach is cut off, nothing else is touched; where the file marks no contact and the test begins
-        in air, contact is found. ``auto``: contact is found (`first_touch`). ``none``: the test stays whole. A number:
-        contact is where the tip first comes to this depth [nm].
+    The `test` has its approach, and its time is zero at the file's contact. `contact` is ``file``: the approach is cut
+    off, nothing else is touched; where the file marks no contact and the test begins in air, contact is found.
+    ``auto``: contact is found (`first_touch`). ``none``: the test stays whole. A number: contact is where the tip first
+    comes to this depth [nm].
 
     Whatever is odd about a contact gets a warning: air after the file's, a load that is not zero before it, a wide
     interval, or one far from the file's own.
 
-    Raises
-    ------
-    InputError
-        When the contact is neither of these, load or depth has the wrong sign or never changes, the tip never comes to
-        the depth given, or too few points are left to find contact in.
+    Raises `InputError` when the contact is neither of these, load or depth has the wrong sign or never changes, the tip
+    never comes to the depth given, or too few points are left to find contact in.
     """
     r = test.recording
     if contact not in CONTACTS if isinstance(contact, str) else not isinstance(contact, Real):
