@@ -147,7 +147,6 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
     """
     from indentation_files.errors import located_in
     from indentation_files.overwrite import checked_output
-    from indentation_files.provenance import provenance
     from indentation_files.readers import (
         ColumnMap,
         VendorTest,
@@ -157,6 +156,7 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
         select,
         zeroed_each,
     )
+    from indentation_files.readers.vendor import provenance
     from indentation_files.readers.zero import decision
     from indentation_files.survey import Survey, survey_each
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from indentation_files.errors import InputError, located_in
+from indentation_files.recording import check_numbers
 from indentation_files.recording_file import read_table
 
 HEADER = "radius_nm,height_nm"
@@ -30,11 +31,7 @@ class ImprintProfile:
     def __post_init__(self) -> None:
         if len(self.radius) < FEWEST:
             raise InputError(f"it has {len(self.radius)} points", remedy=f"give {FEWEST} or more")
-        for key, values in zip(HEADER.split(","), (self.radius, self.height), strict=True):
-            if not np.isfinite(values).all():
-                point = int(np.flatnonzero(~np.isfinite(values))[0]) + 1
-                problem = f"{key} is not a number at point {point}"
-                raise InputError(problem, remedy="remove the point or fill it in", place=key)
+        check_numbers(dict(zip(HEADER.split(","), (self.radius, self.height), strict=True)))
         if self.radius[0] < 0.0 or np.any(np.diff(self.radius) <= 0.0):
             problem = "the radius does not increase from zero or above"
             raise InputError(problem, remedy="sort the points, and average both sides", place="radius_nm")

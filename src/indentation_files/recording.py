@@ -6,7 +6,7 @@ import io
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -69,8 +69,8 @@ class Recording:
     @property
     def test_number(self) -> int | None:
         """Its place in the order in which tests were made, by a note ``test_number: N``; None where none says so."""
-        found = [match for match in map(TEST_NUMBER.match, self.notes) if match]
-        return int(found[0].group(1)) if found else None
+        found = next(filter(None, map(TEST_NUMBER.match, self.notes)), None)
+        return int(found[1]) if found else None
 
     @property
     def synthetic(self) -> bool:
@@ -184,12 +184,7 @@ def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: i
 
     The points are `time`, `load` and `depth`; the number of the `first` one is for messages.
     """
-    for key, values in (("time_s", time), ("load_mN", load), ("depth_nm", depth)):
-        if not np.all(np.isfinite(values)):
-            row = first + int(np.flatnonzero(~np.isfinite(values))[0])
-            raise InputError(
-                f"{key} is not a number at point {row}", remedy="remove the point or fill it in", place=key
-            )
+    check_numbers({"time_s": time, "load_mN": load, "depth_nm": depth}, first)
     steps = np.diff(time)
     if np.any(steps <= 0):
         row = int(np.flatnonzero(steps <= 0)[0])
@@ -199,6 +194,15 @@ def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: i
             remedy="sort the points and drop repeated times",
             place="time_s",
         )
+
+
+def check_numbers(columns: Mapping[str, np.ndarray], first: int = 1) -> None:
+    """Raise `InputError` where a column (n,), by its heading, is no finite number at a point, counted from `first`."""
+    for key, values in columns.items():
+        if not np.all(np.isfinite(values)):
+            row = first + int(np.flatnonzero(~np.isfinite(values))[0])
+            problem = f"{key} is not a number at point {row}"
+            raise InputError(problem, remedy="remove the point or fill it in", place=key)
 
 
 def _distinct(time: np.ndarray) -> bool:

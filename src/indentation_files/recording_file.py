@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from indentation_files.errors import InputError
+from indentation_files.errors import InputError, located_in
 from indentation_files.recording import (
     HEADER,
     MOST,
@@ -34,7 +34,7 @@ from indentation_files.regular_file import refuse_special
 HISTORIES = {"load": "time_s,load_mN", "displacement": "time_s,displacement_nm"}  # headers of what is prescribed alone
 BLOCK = 1 << 22  # bytes that are read at once
 LONGEST = 1 << 20  # letters of a line
-LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster than numpy
+LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster
 
 
 def recording_files(folder: Path) -> list[Path]:
@@ -105,10 +105,8 @@ def read_history(path: Path, control: str) -> Recording:
         )
     time, drive = _columns(lines, heading, path)
     load, depth = (drive, np.zeros_like(drive)) if control == "load" else (np.zeros_like(drive), drive)
-    try:
+    with located_in(path):
         return Recording(time, load, depth, path.stem)
-    except InputError as error:
-        raise error.located(file=path) from None
 
 
 def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
@@ -132,7 +130,7 @@ def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
     with _errors_of_reading(path):
         large = path.stat().st_size > LARGE
-    return _checked(_numbered(path) if large else _numbered_at_once(path), path, large)
+    return _checked(_numbered(path), path, large)
 
 
 def recording_in(lines: Sequence[str], path: Path) -> Recording:
@@ -152,13 +150,6 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
                     "the line is longer than that of any table", remedy=remedy, file=path, place=f"line {number}"
                 )
             yield number, line
-
-
-def _numbered_at_once(path: Path) -> Iterator[tuple[int, str]]:
-    """Return the lines of a small text file with their numbers; raises `InputError`."""
-    refuse_special(path)
-    with _errors_of_reading(path):
-        return enumerate(path.read_text(encoding="utf-8-sig").split("\n"), 1)
 
 
 @contextmanager
@@ -209,16 +200,6 @@ def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: l
             )
         numbers.extend(row)
     return np.frombuffer(numbers, dtype=float).reshape(-1, len(names)).T.copy()
-
-
-def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] | None:
-    """Return the columns (n,) of numbers in the lines of a small file; nothing where they hold anything else."""
-    rows = [line for _, line in lines if line]
-    try:
-        found = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.empty((0, 0))
-    except ValueError:
-        return None
-    return list(found.T.copy()) if found.shape[1] == width else None
 
 
 def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
@@ -275,10 +256,7 @@ def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recor
             place=f"line {number}",
         )
     width = len(header.split(","))
-    rest = lines if large else list(lines)
-    try:
-        found = _by_columns(path, number, width) if large else _at_once(rest, width)
-        time, load, depth, *stiffness = _columns(rest, header, path, notes) if found is None else found
+    with located_in(path):
+        found = _by_columns(path, number, width) if large else None
+        time, load, depth, *stiffness = _columns(lines, header, path, notes) if found is None else found
         return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)
-    except InputError as error:
-        raise error.located(file=path) from None

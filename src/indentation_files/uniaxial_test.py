@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from indentation_files.errors import InputError, located_in
+from indentation_files.recording import check_numbers
 from indentation_files.recording_file import read_table
 
 HEADER = "time_s,strain,stress_GPa"
@@ -36,11 +37,7 @@ class UniaxialTest:
     def __post_init__(self) -> None:
         if len(self.time) < FEWEST:
             raise InputError(f"it has {len(self.time)} points", remedy=f"give {FEWEST} or more")
-        for key, values in zip(HEADER.split(","), (self.time, self.strain, self.stress), strict=True):
-            if not np.isfinite(values).all():
-                point = int(np.flatnonzero(~np.isfinite(values))[0]) + 1
-                problem = f"{key} is not a number at point {point}"
-                raise InputError(problem, remedy="remove the point or fill it in", place=key)
+        check_numbers(dict(zip(HEADER.split(","), (self.time, self.strain, self.stress), strict=True)))
         steps = np.diff(self.time)
         if np.any(steps <= 0.0):
             point = int(np.flatnonzero(steps <= 0.0)[0]) + 1

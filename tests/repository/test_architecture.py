@@ -177,6 +177,7 @@ FOUND = ("cli", "materials", "mechanisms", "readers", "figures", "export")  # fo
 SMALL = 60  # lines
 SMALL_MODULES = {
     "indentation_files.__main__": "a command",
+    "indentation_files.imprint_profile": "one kind of evidence a file",
     "indentation_files.pop_in": "what a reader of files may use without palpate",
     "palpate.analytic.berkovich": "one solution a file, used by tests",
     "palpate.analytic.hertz": "one solution a file",

@@ -23,6 +23,7 @@ from indentation_files.sentences import and_more
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
 PLACES = 3
+CORRECTED = "corrections in depth: "  # begins the note on these
 NUMBER = re.compile(r"\d+(\.\d+)?(e[-+]?\d+)?")
 Corrections = frozenset[str] | None
 Found = TypeVar("Found")
@@ -114,6 +115,18 @@ def unless_all_fail(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest
 def in_words(corrections: Iterable[str] | None) -> str:
     """Return which of the vendor's corrections are in a depth: chosen ones, or, where none were chosen, all."""
     return "those of the vendor" if corrections is None else ", ".join(sorted(corrections)) or "none"
+
+
+def provenance(test: VendorTest, corrections: Corrections) -> tuple[str, ...]:
+    """Return the comments with which a test that was read is written: where it comes from, and what was done to it.
+
+    These are its notes, the corrections that its depth contains, by those that were asked for, its warnings, and what
+    its file states. A recording that palpate has written states its corrections itself.
+    """
+    notes = test.recording.notes
+    if not any(note.startswith(CORRECTED) for note in notes):
+        notes = (*notes, CORRECTED + in_words(corrections))
+    return (*notes, *test.warnings, *(f"{key}: {value}" for key, value in test.metadata.items()))
 
 
 def raise_if_unreadable(test: VendorTest | Unreadable) -> VendorTest:

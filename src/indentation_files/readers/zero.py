@@ -12,8 +12,7 @@ import numpy as np
 
 from indentation_files.borne_load import LEAST_RISE, check_borne
 from indentation_files.channel_noise import noise_of
-from indentation_files.contact_interval import interval_note
-from indentation_files.contact_of_replicates import VAGUE
+from indentation_files.contact_interval import VAGUE, interval_note
 from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, touch_at
 from indentation_files.errors import InputError
 from indentation_files.readers.in_air import (
