@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib.util
 import io
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -45,50 +44,34 @@ def read_hdf5(content: bytes) -> Hdf5Tables:
 def problem_of(content: bytes) -> str:
     """Return what keeps the bytes of an HDF5 file, all of its tables, from being read; empty where nothing does."""
     found = parsed(__file__, content, WHOLE)
-    return BEYOND if found is None else str(found)
+    return BEYOND if found is None else str(found[-1])
 
 
 def _read(content: bytes) -> tuple[dict[str, Any], dict[str, dict[str, str]], str]:
-    """Return what `Hdf5Tables` holds."""
+    """Return what `Hdf5Tables` holds; of the `WHOLE` file each table is read once, of whatever shape, and none kept."""
     import h5py
 
     groups: dict[str, Any] = {}
     attributes: dict[str, dict[str, str]] = {}
 
     def take(path: str, item: Any) -> None:
-        if isinstance(item, h5py.Group):
+        if WHOLE in sys.argv:
+            _ = item[()] if isinstance(item, h5py.Dataset) else None
+        elif isinstance(item, h5py.Group):
             groups[path], attributes[path] = {}, _texts(item.attrs)
         elif item.ndim == 1 and item.dtype.kind in "iuf":
             parent, _, name = path.rpartition("/")
             groups[parent][name] = item[()].tolist(), _texts(item.attrs)
 
-    problem = _visited(content, take)
-    return ({}, {}, problem) if problem else (groups, attributes, "")
-
-
-def _problem(content: bytes) -> str:
-    """Return what h5py meets when every table is read once, one after the other."""
-    import h5py
-
-    return _visited(content, lambda path, item: item[()] if isinstance(item, h5py.Dataset) else None)
-
-
-def _visited(content: bytes, visit: Callable[[str, Any], Any]) -> str:
-    """Call `visit` with the path and the content of every group and table; return the name of the error it met."""
-    import h5py
-
-    def each(path: str, item: Any) -> None:
-        visit(path, item)  # what it returns would end the visit
-
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
-            each("", file)
-            file.visititems(each)
+            take("", file)
+            file.visititems(take)
     except MemoryError:
         raise
     except Exception as error:  # on damage the library raises whatever it meets
-        return type(error).__name__
-    return ""
+        return {}, {}, type(error).__name__
+    return groups, attributes, ""
 
 
 def _texts(attributes: Any) -> dict[str, str]:
@@ -102,4 +85,4 @@ def _text(value: Any) -> str:
 
 
 if __name__ == "__main__":
-    serve(_problem if WHOLE in sys.argv else _read)
+    serve(_read)

@@ -81,7 +81,9 @@ def searched(
         contacts = np.linspace(low, high, CONTACTS)
         in_air = int(np.argmax(depth > contact)) if approach else 0
         baselines = replace(baselines, in_air=in_air)
-        near = ContactGuess(contact, *_at(guess, blocks.depth))
+        order = np.argsort(guess[0])
+        loads = np.interp(blocks.depth, guess[0][order], guess[1][order])
+        near = ContactGuess(contact, loads, slopes_of(blocks.depth, loads))
         if step == 0:
             baselines = _with_waves(baselines, blocks, near.loads, noise[0])
         evidence = Evidence(blocks, near, baselines, laws, contacts, *noise)
@@ -226,13 +228,6 @@ def _counting(guess: tuple[np.ndarray, np.ndarray], contact: float, depth: np.nd
     beyond = np.flatnonzero(np.maximum.accumulate(depth) > reached)
     count = max(int(beyond[0]) if len(beyond) else len(depth), min(len(depth), 12))
     return count if np.ptp(depth[:count]) > 0.0 else len(depth)
-
-
-def _at(guess: tuple[np.ndarray, np.ndarray], depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the guessed law's loads and slopes (n,) at depths (n,)."""
-    order = np.argsort(guess[0])
-    loads = np.interp(depth, guess[0][order], guess[1][order])
-    return loads, slopes_of(depth, loads)
 
 
 def _edges(depth: np.ndarray, low: float, high: float, contact: float | None) -> np.ndarray:

@@ -141,7 +141,8 @@ class Recording:
         header, measured = (HEADER, []) if self.stiffness is None else (WITH_STIFFNESS, [self.stiffness])
         channels = [self.time, self.load, self.depth, *measured]
         text.write(header + "\n")
-        digits = [DIGITS if _distinct(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
+        rounded = [float(f"{instant:.{DIGITS}g}") for instant in self.time]
+        digits = [DIGITS if np.all(np.diff(rounded) > 0.0) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
         np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
         with written_whole(path) as partial:
             partial.write_text(text.getvalue(), encoding="utf-8")
@@ -203,11 +204,6 @@ def check_numbers(columns: Mapping[str, np.ndarray], first: int = 1) -> None:
             row = first + int(np.flatnonzero(~np.isfinite(values))[0])
             problem = f"{key} is not a number at point {row}"
             raise InputError(problem, remedy="remove the point or fill it in", place=key)
-
-
-def _distinct(time: np.ndarray) -> bool:
-    """Return whether times (n,) [s] still increase when they are written to the usual digits."""
-    return bool(np.all(np.diff([float(f"{instant:.{DIGITS}g}") for instant in time]) > 0.0))
 
 
 def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]:

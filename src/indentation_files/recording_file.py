@@ -97,15 +97,12 @@ def read_history(path: Path, control: str) -> Recording:
     _, _, heading = _begun(lines)
     if heading not in HISTORIES.values():
         return read_recording(path)
-    if heading != HISTORIES[control]:
-        raise InputError(
-            f"header is {heading!r}, but the {control} is prescribed",
-            remedy=f"give {HISTORIES[control]!r}, or a recording",
-            file=path,
-        )
-    time, drive = _columns(lines, heading, path)
-    load, depth = (drive, np.zeros_like(drive)) if control == "load" else (np.zeros_like(drive), drive)
     with located_in(path):
+        if heading != HISTORIES[control]:
+            problem = f"header is {heading!r}, but the {control} is prescribed"
+            raise InputError(problem, remedy=f"give {HISTORIES[control]!r}, or a recording")
+        time, drive = _columns(lines, heading)
+        load, depth = (drive, np.zeros_like(drive)) if control == "load" else (np.zeros_like(drive), drive)
         return Recording(time, load, depth, path.stem)
 
 
@@ -116,14 +113,14 @@ def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
     """
     lines = _numbered(path)
     notes, number, found = _begun(lines)
-    if found != header:
-        raise InputError(
-            f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}",
-            remedy="name the columns like that, in these units, separated by commas",
-            file=path,
-            place=f"line {number}" if found else None,
-        )
-    return _columns(lines, header, path, notes), notes
+    with located_in(path):
+        if found != header:
+            raise InputError(
+                f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}",
+                remedy="name the columns like that, in these units, separated by commas",
+                place=f"line {number}" if found else None,
+            )
+        return _columns(lines, header, notes), notes
 
 
 def _recording_at(path: Path) -> Recording:
@@ -145,10 +142,8 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     with _errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
         for number, line in enumerate(iter(lambda: stream.readline(LONGEST), ""), 1):
             if len(line) == LONGEST:
-                remedy = "export or copy the test again"
-                raise InputError(
-                    "the line is longer than that of any table", remedy=remedy, file=path, place=f"line {number}"
-                )
+                problem, remedy = "the line is longer than that of any table", "export or copy the test again"
+                raise InputError(problem, remedy=remedy, file=path, place=f"line {number}")
             yield number, line
 
 
@@ -160,9 +155,8 @@ def _errors_of_reading(path: Path) -> Iterator[None]:
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
-        raise InputError(
-            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
-        ) from error
+        remedy = "save it as UTF-8, or convert vendor files with `palpate read`"
+        raise InputError("is not text in UTF-8", remedy=remedy, file=path) from error
 
 
 def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
@@ -176,8 +170,11 @@ def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
     return notes, 0, ""
 
 
-def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: list[str] | None = None) -> np.ndarray:
-    """Return the columns (k, n) of numbers in numbered lines, less comments; raises `InputError` on any other line."""
+def _columns(lines: Iterable[tuple[int, str]], header: str, notes: list[str] | None = None) -> np.ndarray:
+    """Return the columns (k, n) of numbers in numbered lines; comments among them are added to the `notes`.
+
+    Raises `InputError` on any other line.
+    """
     numbers, names = array("d"), header.split(",")
     for number, line in lines:
         if line.startswith("#"):
@@ -186,16 +183,14 @@ def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: l
             continue
         if not line.strip():
             continue
-        cells = line.split(",")
         try:
-            row = [float(cell) for cell in cells] if len(cells) == len(names) else []
+            row = [float(cell) for cell in line.split(",")]
         except ValueError:
             row = []
-        if not row:
+        if len(row) != len(names):
             raise InputError(
                 f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers",
                 remedy=f"write {', '.join(names[:-1])} and {names[-1]} with decimal points",
-                file=path,
                 place=f"line {number}",
             )
         numbers.extend(row)
@@ -239,24 +234,16 @@ def _line_count(path: Path) -> int:
 def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recording:
     """Return the recording that numbered lines hold; raises `InputError` as `read_recording` does."""
     notes, number, header = _begun(lines)
-    if not header:
-        raise InputError("the recording is empty", remedy="export the test again", file=path)
-    if re.split(r"[;\t]", header) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
-        raise InputError(
-            "the columns are not separated by commas",
-            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
-            file=path,
-            place=f"line {number}",
-        )
-    if header not in (HEADER, WITH_STIFFNESS):
-        raise InputError(
-            f"header is {header[:60]!r}, expected {HEADER!r}",
-            remedy="rename the columns, with these units",
-            file=path,
-            place=f"line {number}",
-        )
-    width = len(header.split(","))
+    place, width = f"line {number}", len(header.split(","))
     with located_in(path):
+        if not header:
+            raise InputError("the recording is empty", remedy="export the test again")
+        if re.split(r"[;\t]", header) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
+            remedy = "separate them by commas, or let `palpate read --columns` write the file anew"
+            raise InputError("the columns are not separated by commas", remedy=remedy, place=place)
+        if header not in (HEADER, WITH_STIFFNESS):
+            problem = f"header is {header[:60]!r}, expected {HEADER!r}"
+            raise InputError(problem, remedy="rename the columns, with these units", place=place)
         found = _by_columns(path, number, width) if large else None
-        time, load, depth, *stiffness = _columns(lines, header, path, notes) if found is None else found
+        time, load, depth, *stiffness = _columns(lines, header, notes) if found is None else found
         return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)

@@ -51,7 +51,6 @@ __all__ = [
     "read_source",
     "read_vendor_file",
     "select",
-    "sound",
     "zeroed_each",
 ]
 
@@ -186,7 +185,10 @@ def _whole(
         return read_columns(source, columns)
     if reader is not None:
         if columns is not None and columns_required:
-            raise _without_columns(source, columns, reader)
+            if not no_table(source):
+                raise nothing_found(tables_of(source), columns).located(place="source.columns")
+            problem = f"the file holds no table, and is read as {reader.title}"
+            raise InputError(problem, remedy="leave columns and units off", place="source.columns")
         message = () if columns is None else (f"lacks the columns named, and is read as {reader.title}",)
         if not reader.corrects:
             refuse_corrections(corrections)
@@ -205,14 +207,6 @@ def _whole(
             remedy=f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too",
         )
     raise unknown(source)
-
-
-def _without_columns(source: Source, columns: ColumnMap, reader: Reader) -> InputError:
-    """Return the error of a file of a known format that lacks the columns given for it."""
-    if no_table(source):
-        problem, remedy = f"the file holds no table, and is read as {reader.title}", "leave columns and units off"
-        return InputError(problem, remedy=remedy, place="source.columns")
-    return nothing_found(tables_of(source), columns).located(place="source.columns")
 
 
 def _with(messages: tuple[str, ...], test: VendorTest | Unreadable) -> VendorTest | Unreadable:

@@ -11,8 +11,6 @@ Stiffness".
 
 from __future__ import annotations
 
-from contextlib import suppress
-
 import numpy as np
 
 from indentation_files.errors import InputError
@@ -79,7 +77,9 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
         if "drift" in corrections:
             depth = depth - _drift(metadata.get(DRIFT)) * time
         if "frame" in corrections:
-            depth = depth - raw * _compliance(frame)
+            if not frame > 0:
+                raise InputError(f"{FRAME} is {frame:g} N/m, expected more than zero", remedy="leave frame off")
+            depth = depth - raw * (1e6 / frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
     facts = metadata | evaluated(source, sheet, kept, load)
     return vendor_test(source, sheet, (time, load, depth), facts, warnings, marked=marked, stiffness=stiffness)
@@ -87,20 +87,11 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
 
 def _drift(text: str | None) -> float:
     """Return the drift that the workbook states [nm/s]."""
-    value = np.nan
-    with suppress(ValueError):
-        value = np.nan if text is None else number(text)
+    value = number(text or "")
     if not np.isfinite(value):
         problem = f"the sheet Results gives no {DRIFT}" if text is None else f"{DRIFT} is {text!r}, no number"
         raise InputError(problem, remedy="leave drift off")
     return value
-
-
-def _compliance(stiffness: float) -> float:
-    """Return the compliance [nm/mN] of a frame of this stiffness [N/m]."""
-    if not stiffness > 0:
-        raise InputError(f"{FRAME} is {stiffness:g} N/m, expected more than zero", remedy="leave frame off")
-    return 1e6 / stiffness
 
 
 READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read, corrects=True)

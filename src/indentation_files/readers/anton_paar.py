@@ -40,7 +40,7 @@ def read(source: Source) -> list[VendorTest]:
     lines, start = source.lines, _header(source)
     if start is None:
         for _, line in lines.in_words():
-            if names_all(line):
+            if all(re.search(rf"\b({'|'.join(names)}) *[(\[]", line) for names in NAMES.values()):
                 require_tabs(line)
         raise InputError(
             "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
@@ -73,11 +73,6 @@ def unlike_stated(load: np.ndarray, depth: np.ndarray, facts: Mapping[str, str])
                 odd = "the file may be cut off" if 1 / UNITS_APART < share < 1 else "one of the units may be wrong"
                 messages.append(f"{found}, the file states {name} = {facts[name]}; {odd}")
     return tuple(messages)
-
-
-def names_all(line: str) -> bool:
-    """Return whether a line names all channels, whatever is between them."""
-    return all(re.search(rf"\b({'|'.join(names)}) *[(\[]", line) for names in NAMES.values())
 
 
 def columns(line: str) -> dict[str, tuple[int, str]]:

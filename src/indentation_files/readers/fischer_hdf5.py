@@ -75,7 +75,11 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
     channels = read_or_report(source.path, name, _values, group)
     if isinstance(channels, Unreadable):
         return [Unreadable(name, channels.error)]
-    parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), _point)
+
+    def point(*rows: int) -> str:
+        return f"point {first_few([row + 1 for row in rows])}"
+
+    parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), point)
     peaks = [float(part.channels[1].max()) for part in parts]
     pressed = [part for part, peak in zip(parts, peaks, strict=True) if peak > APPROACH * max(peaks)]
     unpressed = len(parts) - len(pressed)
@@ -85,11 +89,6 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
         called = f"{name} {number}" if len(pressed) > 1 else name
         tests.append(read_or_report(source.path, called, _test, source, called, part, facts, before))
     return tests
-
-
-def _point(*rows: int) -> str:
-    """Return which points are meant, from 1, for messages."""
-    return f"point {first_few([row + 1 for row in rows])}"
 
 
 def _values(group: Columns) -> list[np.ndarray]:

@@ -93,10 +93,6 @@ def is_row_of_units(cells: Sequence[str]) -> bool:
     return sum(map(bool, known)) >= 2
 
 
-def _abbreviated(spelt_out: re.Match[str]) -> str:
-    return PREFIX[spelt_out[1].casefold()] + spelt_out[2]
-
-
 def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | None:
     """Return the unit that the table states for a column, or None where it says nothing of any.
 
@@ -109,7 +105,8 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     of units and of remarks. Raises `InputError` when the unit is not known or has a factor, may be part of the name, or
     is stated twice and differently.
     """
-    texts = [SPELT_OUT.sub(_abbreviated, plain(text)) for text in (*alone, heading)]
+    texts = [plain(text) for text in (*alone, heading)]
+    texts = [SPELT_OUT.sub(lambda found: PREFIX[found[1].casefold()] + found[2], text) for text in texts]
     bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]
     name, *behind = re.split(r"/(?!.*/)", BRACKETED.sub(" ", texts.pop()))
     behind += [part for part in name.split(",")[1:] if unit_of(key, part)]

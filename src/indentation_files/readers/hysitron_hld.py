@@ -14,7 +14,6 @@ compliance and rate follow, exactly but for rounding::
 from __future__ import annotations
 
 import re
-from contextlib import suppress
 
 import numpy as np
 
@@ -118,16 +117,14 @@ def _entry(entries: dict[str, str], key: str) -> float:
     """Return a number of the header in nm, mN, nm/s or nm/mN, whatever its decimal sign and its unit."""
     text = entries[key].strip()
     size, _, unit = text.partition(" ")
-    value = np.nan
-    with suppress(ValueError):
-        value = number(size) * UNITS[key].get(plain(unit), np.nan)
+    value = number(size) * UNITS[key].get(plain(unit), np.nan)
     if not np.isfinite(value):
         raise InputError(
             f"is {text!r}, expected a number and its unit, such as 0.1 {next(iter(UNITS[key]))}",
             remedy="correct the entry, or copy the file again",
             place=key,
         )
-    return float(value)
+    return value
 
 
 READER = Reader("hysitron_hld", "Hysitron TriboScan .hld", matches, read, corrects=True)

@@ -53,14 +53,7 @@ class ExportedSegment:
 
     def stated(self, *names: str) -> float:
         """Return the first positive number that the header states under one of the names; zero without."""
-        for name in names:
-            try:
-                value = number(self.facts.get(name, ""))
-            except ValueError:
-                continue
-            if value > 0:
-                return value
-        return 0.0
+        return next((value for name in names if (value := number(self.facts.get(name, ""))) > 0), 0.0)
 
 
 def matches(source: Source) -> bool:

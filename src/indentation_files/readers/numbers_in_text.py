@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
 
@@ -15,10 +16,12 @@ from indentation_files.readers.plain_numbers import plain_numbers
 
 
 def number(cell: str) -> float:
-    """Return the number in `cell`, written with a decimal comma or point; NaN for an empty cell and for "invalid"."""
-    cell = cell.strip()
-    value = float(cell.replace(",", ".")) if cell else float("nan")
-    return value if abs(value) <= LARGEST else float("nan")
+    """Return the number in `cell`, written with a decimal comma or point; NaN for no number and for "invalid"."""
+    try:
+        value = float(cell.strip().replace(",", "."))
+    except ValueError:
+        return math.nan
+    return value if abs(value) <= LARGEST else math.nan
 
 
 def require_tabs(headings: str) -> None:

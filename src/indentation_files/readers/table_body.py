@@ -67,7 +67,7 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
         return None
     first = int(np.argmax(filled))
     above = words_of(table.body(None, found[1]).rows[: first + len(table.rows) - len(cells.rows)])
-    header = row_of_names(above) if found[0] is None else found[0]
+    header = next((k for k, row in enumerate(above) if _is_header(row)), None) if found[0] is None else found[0]
     rows = table.rows[-len(cells.rows) :]
     repeated, blank = np.zeros(len(rows), dtype=bool), np.append(False, np.diff(cells.numbers) > 1)
     for k in aside:
@@ -111,11 +111,6 @@ def parts_of(body: TableBody) -> list[Part]:
                 place=body.cells.place(others[0]),
             )
     return parts
-
-
-def row_of_names(above: Sequence[Sequence[str]]) -> int | None:
-    """Return the first row of three words that are no units: the header of columns that are given by their numbers."""
-    return next((k for k, row in enumerate(above) if _is_header(row)), None)
 
 
 def _is_header(row: Sequence[str]) -> bool:

@@ -44,15 +44,11 @@ def no_table(source: Source) -> tuple[str, str] | None:
         return "an Igor wave that is cut off, or has no note on a cantilever", f"copy it again, or {FORCE_CURVE}"
     if TDM.match(begun):
         return "the header of a TDM file, whose numbers lie in the .tdx file beside it", AS_TEXT
-    begun = begun.removeprefix(codecs.BOM_UTF8).lstrip()
-    kind = next((words for magic, words in KINDS.items() if begun[: len(magic)].lower() == magic.lower()), None)
-    return kind or (("a binary file", AS_TEXT) if _binary(source) else None)
-
-
-def _binary(source: Source) -> bool:
-    """Return whether a file's first bytes, less what pads its end, hold more control characters than a text does."""
-    begun = source.begun.rstrip(PADDING)
-    return len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
+    first = begun.removeprefix(codecs.BOM_UTF8).lstrip()
+    kind = next((words for magic, words in KINDS.items() if first[: len(magic)].lower() == magic.lower()), None)
+    begun = begun.rstrip(PADDING)
+    binary = len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
+    return kind or (("a binary file", AS_TEXT) if binary else None)
 
 
 def unknown(source: Source) -> InputError:

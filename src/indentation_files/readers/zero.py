@@ -91,10 +91,11 @@ def _from_the_file_s(test: VendorTest) -> VendorTest:
         if rested:
             moving = replace(moving, time=moving.time - moving.time[0])
         moving, counted = (moving, ()) if test.marked else _counted_from_the_start(moving, _level(r.load, begin))
+        if begins_off_contact(moving):
+            counted = (*counted, f"begins at a depth of {moving.depth[0]:.4g} nm, not at contact ({FINDS})")
         messages = (
             *rested,
             *counted,
-            *_off_zero(moving),
             *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
             *(air_at_start if test.marked else retreats_at_start)(moving),
             *sloping(r, begin),
@@ -241,13 +242,6 @@ def _never_borne(recording: Recording) -> tuple[str, ...]:
     except InputError as error:
         return (error.problem,)
     return ()
-
-
-def _off_zero(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where contact is elsewhere than where a test begins."""
-    if not begins_off_contact(recording):
-        return ()
-    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact ({FINDS})",)
 
 
 def _counted_from_the_start(r: Recording, level: float) -> tuple[Recording, tuple[str, ...]]:
