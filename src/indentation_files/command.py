@@ -145,31 +145,23 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
     draw
         Draws a survey into a file; without it there are no figures.
     """
+    from indentation_files import readers
     from indentation_files.errors import located_in
     from indentation_files.overwrite import checked_output
-    from indentation_files.readers import (
-        ColumnMap,
-        VendorTest,
-        messages,
-        raise_if_unreadable,
-        read_each,
-        select,
-        zeroed_each,
-    )
     from indentation_files.readers.vendor import provenance
     from indentation_files.readers.zero import decision
     from indentation_files.survey import Survey, survey_each
 
     with located_in(arguments.file):
-        columns = ColumnMap.stated(arguments.columns, arguments.units)
-        tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
+        columns = readers.ColumnMap.stated(arguments.columns, arguments.units)
+        tests = readers.read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
         if arguments.test is not None:
-            tests = [select(tests, arguments.test, arguments.file)]
-        begun = zeroed_each(arguments.file, tests, arguments.contact)
+            tests = [readers.select(tests, arguments.test, arguments.file)]
+        begun = readers.zeroed_each(arguments.file, tests, arguments.contact)
         readable = [
-            (raise_if_unreadable(whole), test)
+            (readers.raise_if_unreadable(whole), test)
             for whole, test in zip(tests, begun, strict=True)
-            if isinstance(test, VendorTest)
+            if isinstance(test, readers.VendorTest)
         ]
         surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
@@ -177,7 +169,7 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
         checked_output(arguments.file, each) for each in _paths(arguments.output, [test.name for _, test in readable])
     ]
     arguments.output.mkdir(parents=True, exist_ok=True)
-    for line in messages(arguments.file, begun):
+    for line in readers.messages(arguments.file, begun):
         report(line)
     if arguments.stiffness:
         _report_missing_stiffness(arguments.file, [test for _, test in readable], report)

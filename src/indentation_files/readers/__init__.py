@@ -21,7 +21,6 @@ from indentation_files.readers.units import CHANNELS, mended
 from indentation_files.readers.unknown import no_table, unknown
 from indentation_files.readers.vendor import (
     CORRECTIONS,
-    PLACES,
     Corrections,
     Reader,
     Unreadable,
@@ -34,6 +33,7 @@ from indentation_files.readers.vendor import (
 )
 from indentation_files.readers.zero import Contact, zeroed_each
 from indentation_files.regular_file import refuse_special
+from indentation_files.sentences import PLACES
 
 LARGEST = 1 << 29  # bytes of a file; the columns of a text take about as much memory
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}

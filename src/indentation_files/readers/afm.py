@@ -22,15 +22,7 @@ from indentation_files.bounded_process import BEYOND, MEMORY
 from indentation_files.errors import InputError
 from indentation_files.readers.igor import HEADERS, is_wave, sampling, stated
 from indentation_files.readers.source import HDF5, ZIP, Source
-from indentation_files.readers.vendor import (
-    Reader,
-    Unreadable,
-    VendorTest,
-    read_or_report,
-    unless_all_fail,
-    usable,
-    vendor_test,
-)
+from indentation_files.readers.vendor import Reader, Unreadable, VendorTest, read_or_report, usable, vendor_test
 
 TAB = b"# afmformats"
 METADATA = b"BEGIN METADATA"
@@ -93,7 +85,7 @@ def read(source: Source) -> list[VendorTest | Unreadable]:
             ) from error
     if not tests:
         raise InputError("holds no force curve", remedy="export force-distance curves")
-    return unless_all_fail(tests)
+    return tests
 
 
 def _unreadable(content: bytes) -> str:

@@ -14,18 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from indentation_files.errors import InputError
+from indentation_files.readers import sheets_of_tests as sheets
 from indentation_files.readers.numbers_in_text import number
-from indentation_files.readers.sheets_of_tests import (
-    channel,
-    evaluated,
-    facts_of,
-    headings_of,
-    names_of,
-    read_sheets,
-    surface,
-    tests_of,
-    values_of,
-)
 from indentation_files.readers.source import Source
 from indentation_files.readers.vendor import Corrections, Reader, Unreadable, VendorTest, usable, vendor_test
 
@@ -40,34 +30,34 @@ STIFFNESS = {True: "harmonic contact stiffness", False: "harmonic stiffness"}
 
 def matches(source: Source) -> bool:
     """Return whether a sheet ``Test ...`` has the XP's names of channels."""
-    return any(names_of(source, sheet, CHANNELS) for sheet in tests_of(source))
+    return any(sheets.names_of(source, sheet, CHANNELS) for sheet in sheets.tests_of(source))
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
-    facts = facts_of(source, ("Required Inputs", "Results"))
-    return read_sheets(source, facts, CHANNELS, _test, corrections)
+    facts = sheets.facts_of(source, ("Required Inputs", "Results"))
+    return sheets.read_sheets(source, facts, CHANNELS, _test, corrections)
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:
     """Return the test on a sheet, its depth as the vendor gives it or with the corrections chosen."""
-    channels = values_of(source, sheet, CHANNELS)
+    channels = sheets.values_of(source, sheet, CHANNELS)
     if corrections is not None:
-        channels["depth"] = channel(source, sheet, "raw displacement", "depth")
-        channels["raw"] = channel(source, sheet, "raw load", "load")
+        channels["depth"] = sheets.channel(source, sheet, "raw displacement", "depth")
+        channels["raw"] = sheets.channel(source, sheet, "raw load", "load")
     kept, warnings = usable(sheet, *channels.values())
     time, load, depth, *force = (values[kept] for values in channels.values())
     if time[-1] < 0:
         raise InputError("the indenter never touched the sample", remedy="remove the test")
-    begin, marker = int(np.argmax(time >= 0)), surface(source, sheet)
+    begin, marker = int(np.argmax(time >= 0)), sheets.surface(source, sheet)
     marked = begin > 0
     if not marked and marker is not None and marker <= kept[-1]:
         begin, marked = int(np.searchsorted(kept, marker)), True
         time = time - time[begin]
     measured = STIFFNESS[corrections is None or "frame" in corrections]
-    named = headings_of(source, sheet)
     known = FRAME.casefold()
-    extra = {name: channel(source, sheet, name, "stiffness")[kept] for name in (known, measured) if name in named}
+    wanted = [name for name in (known, measured) if name in sheets.headings_of(source, sheet)]
+    extra = {name: sheets.channel(source, sheet, name, "stiffness")[kept] for name in wanted}
     frame = float(extra[known][begin]) if known in extra else 0.0
     if known in extra:
         metadata = metadata | {f"{FRAME} [N/m]": f"{frame:g}"}
@@ -81,7 +71,7 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
                 raise InputError(f"{FRAME} is {frame:g} N/m, expected more than zero", remedy="leave frame off")
             depth = depth - raw * (1e6 / frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
-    facts = metadata | evaluated(source, sheet, kept, load)
+    facts = metadata | sheets.evaluated(source, sheet, kept, load)
     return vendor_test(source, sheet, (time, load, depth), facts, warnings, marked=marked, stiffness=stiffness)
 
 

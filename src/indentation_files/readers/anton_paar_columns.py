@@ -23,7 +23,6 @@ from indentation_files.readers.vendor import (
     VendorTest,
     read_or_report,
     unfinished,
-    unless_all_fail,
     usable,
     vendor_test,
 )
@@ -60,14 +59,14 @@ def read(source: Source) -> list[VendorTest | Unreadable]:
     what is wrong with them.
     """
     if not source.workbook:
-        return unless_all_fail(_tests(source, "", _of_text(source)))
+        return _tests(source, "", _of_text(source))
     found = {sheet: read_or_report(source.path, sheet, _of_sheet, source, sheet) for sheet in source.sheets}
     tests: list[VendorTest | Unreadable] = []
     for sheet, columns in found.items():
         if not isinstance(columns, Unreadable):
             tests += _tests(source, sheet, columns, {test.name for test in tests})
     others = [replace(columns, sought=False) for columns in found.values() if isinstance(columns, Unreadable)]
-    return [*unless_all_fail(tests), *(sheet for sheet in others if source.sheet(sheet.name))]
+    return [*tests, *(sheet for sheet in others if source.sheet(sheet.name))]
 
 
 def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:

@@ -19,14 +19,7 @@ from indentation_files.readers.source import Source
 from indentation_files.readers.table_body import TableBody, body_of, is_numeric, parts_of
 from indentation_files.readers.tables import NAME_WITH_UNIT, OnDemand, Table, tables_of
 from indentation_files.readers.units import CHANNELS, scale
-from indentation_files.readers.vendor import (
-    MOST_LEFT_OUT,
-    Unreadable,
-    VendorTest,
-    read_or_report,
-    unfinished,
-    unless_all_fail,
-)
+from indentation_files.readers.vendor import MOST_LEFT_OUT, Unreadable, VendorTest, read_or_report, unfinished
 from indentation_files.recording import Recording, spaced
 
 LONG_AGO = 1e6  # of a test's duration, chosen: what counts from longer ago is a calendar's time
@@ -55,7 +48,7 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
         raise nothing_found(tables, columns)
     unused = [table for table, of_table in zip(tables, found, strict=True) if source.workbook and not of_table]
     without = [left_out(table, columns) for table in unused]
-    return [*unless_all_fail(tests), *(sheet for sheet in without if sheet)]
+    return [*tests, *(sheet for sheet in without if sheet)]
 
 
 def holds_columns(source: Source, columns: ColumnMap) -> bool:

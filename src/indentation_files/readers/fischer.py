@@ -17,7 +17,6 @@ from indentation_files.readers.vendor import (
     VendorTest,
     read_or_report,
     unfinished,
-    unless_all_fail,
     usable,
     vendor_test,
 )
@@ -42,7 +41,7 @@ def read(source: Source) -> list[VendorTest | Unreadable]:
     lines = source.lines
     begins = [k for k, line in lines.in_words() if line.rstrip().endswith(APPLICATION)]
     series = [lines[begin:end] for begin, end in pairwise([*begins, len(lines)])]
-    return unless_all_fail([test for one in series for test in _series(source, one, len(series) > 1)])
+    return [test for one in series for test in _series(source, one, len(series) > 1)]
 
 
 def _series(source: Source, lines: Lines, several: bool) -> list[VendorTest | Unreadable]:

@@ -20,13 +20,12 @@ from indentation_files.readers.vendor import (
     Reader,
     Unreadable,
     VendorTest,
-    first_few,
     read_or_report,
     unfinished,
-    unless_all_fail,
     usable,
     vendor_test,
 )
+from indentation_files.sentences import first_few
 
 NAMES = {"time": ("time",), "load": ("force", "load"), "depth": ("displacement", "depth")}
 FACTS = ("", "instrument", "metadata")
@@ -53,8 +52,7 @@ def read(source: Source) -> list[VendorTest | Unreadable]:
         raise InputError(f"h5py cannot read it ({found.problem})", remedy="copy or export it again")
     facts = {key: value for name in FACTS for key, value in found.attributes.get(name, {}).items()}
     groups = sorted(found.groups.items(), key=lambda item: _numbered(item[0]))
-    tests = [_of_group(source, path, group, facts) for path, group in groups if _channels(group)]
-    return unless_all_fail([test for of_group in tests for test in of_group])
+    return [test for path, group in groups if _channels(group) for test in _of_group(source, path, group, facts)]
 
 
 def _numbered(path: str) -> list[tuple[int, str]]:

@@ -15,7 +15,7 @@ from indentation_files.readers.headings import BRACKETED, is_word
 from indentation_files.readers.numbers_in_text import several_of
 from indentation_files.readers.source import Source, number_of
 from indentation_files.readers.units import SCALES, STIFFNESS, plain, unit_of
-from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report, unless_all_fail
+from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report
 
 MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
@@ -58,7 +58,7 @@ def read_sheets(
             tests.append(replace(found, uncounted=reason))
         elif isinstance(found, Unreadable):
             tests.append(replace(found, sought=False))
-    return unless_all_fail(tests)
+    return tests
 
 
 def headings_of(source: Source, sheet: str) -> dict[str, int]:

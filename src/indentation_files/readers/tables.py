@@ -15,7 +15,7 @@ import numpy as np
 from indentation_files.readers.decimals import PARTING
 from indentation_files.readers.plain_numbers import is_long, plain_numbers
 from indentation_files.readers.source import Source
-from indentation_files.readers.vendor import first_few
+from indentation_files.sentences import first_few
 
 DELIMITERS = ("\t", ";", "|", ",")
 WORD = re.compile(r"[^\W\d_]")

@@ -18,11 +18,10 @@ from indentation_files.readers.rising_time import increasing, stands_still
 from indentation_files.readers.several_tests import padding, taken, whole, without_stand_ins, written_twice
 from indentation_files.readers.source import Source
 from indentation_files.recording import Recording, spaced
-from indentation_files.sentences import and_more
+from indentation_files.sentences import and_more, first_few
 
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
-PLACES = 3
 CORRECTED = "corrections in depth: "  # begins the note on these
 NUMBER = re.compile(r"\d+(\.\d+)?(e[-+]?\d+)?")
 Corrections = frozenset[str] | None
@@ -254,12 +253,6 @@ def usable(place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarra
     reported += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
     kept, thinned = spaced(kept)
     return kept, (*reported, *thinned)
-
-
-def first_few(items: Sequence[int | str] | np.ndarray) -> str:
-    """Return the first few of some numbers or names, and how many more there are."""
-    more = f" and {len(items) - PLACES} more" if len(items) > PLACES else ""
-    return ", ".join(str(item) for item in items[:PLACES]) + more
 
 
 def _listed(causes: Mapping[str, np.ndarray]) -> str:
