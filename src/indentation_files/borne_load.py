@@ -26,15 +26,10 @@ CLEAR = 10.0  # standard deviations of the load's noise, likewise
 def check_borne(recording: Recording) -> None:
     """Refuse a test that never bears load: its load stays within its noise, or drifts.
 
-    A load of the wrong sign is borne; what begins a test refuses it with the true reason.
-
-    It drifts where it stays near the noise and rises hardly more than on the first way in, or where it does not fall
-    while the tip comes back, which no body's does.
-
-    Raises
-    ------
-    InputError
-        With the rise and the noise, or with a point that stands out and hides what the others bear.
+    A load of the wrong sign is borne; what begins a test refuses it with the true reason. It drifts where it stays near
+    the noise and rises hardly more than on the first way in, or where it does not fall while the tip comes back, which
+    no body's does. Raises `InputError` with the rise and the noise, or with a point that stands out and hides what the
+    others bear.
     """
     load, depth = recording.load, recording.depth
     if len(load) < FEWEST or _borne(load, depth):

@@ -136,14 +136,8 @@ Draw = Callable[..., object]
 def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None) -> int:
     """Write one CSV a test, with what the file states of it as comments; with ``--survey`` a table and figures too.
 
-    Parameters
-    ----------
-    arguments
-        Of `add_arguments`.
-    report
-        Called with one line on what was left out, sought or assumed.
-    draw
-        Draws a survey into a file; without it there are no figures.
+    The `arguments` are those of `add_arguments`. `report` is called with one line on what was left out, sought or
+    assumed. `draw` draws a survey into a file; without it there are no figures.
     """
     from indentation_files import readers
     from indentation_files.errors import located_in

@@ -85,18 +85,13 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     """Return the point of first touch, sought anew."""
     first, last = loading(load, depth)
     if last + 1 - first < FEWEST:
-        raise InputError(
-            f"only {last + 1 - first} points lie on the way in, too few to find the contact in",
-            remedy="export the approach too, or leave the vendor's contact (--contact file)",
-            place="load_mN",
-        )
+        problem = f"only {last + 1 - first} points lie on the way in, too few to find the contact in"
+        remedy = "export the approach too, or leave the vendor's contact (--contact file)"
+        raise InputError(problem, remedy=remedy, place="load_mN")
     for channel, what, place in ((load, "load", "load_mN"), (depth, "depth", "depth_nm")):
         if not np.ptp(channel[first : last + 1]) > 0.0:
-            raise InputError(
-                f"the {what} does not change on the way to the largest load: there is no contact to find",
-                remedy="check which column it is, or keep all (--contact none)",
-                place=place,
-            )
+            problem = f"the {what} does not change on the way to the largest load: there is no contact to find"
+            raise InputError(problem, remedy="check which column it is, or keep all (--contact none)", place=place)
     retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
     instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
     first = last + 1 - len(path)
@@ -186,11 +181,8 @@ def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarr
     """
     first, last = way_in(load, depth)
     if not depth[first] <= contact < depth[last]:
-        raise InputError(
-            f"contact at {contact:g} nm lies outside the way in, {depth[first]:.4g} to {depth[last]:.4g} nm",
-            remedy="give a depth in the file's own counting",
-            place="contact",
-        )
+        problem = f"contact at {contact:g} nm lies outside the way in, {depth[first]:.4g} to {depth[last]:.4g} nm"
+        raise InputError(problem, remedy="give a depth in the file's own counting", place="contact")
     index, moment = _reached(contact, time, depth, first, last)
     level = float(np.median(load[max(first, index - 9) : index + 1]))
     return ContactPoint(index, moment, level, contact, contact, contact)

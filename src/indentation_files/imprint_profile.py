@@ -36,11 +36,8 @@ class ImprintProfile:
             problem = "the radius does not increase from zero or above"
             raise InputError(problem, remedy="sort the points, and average both sides", place="radius_nm")
         if -self.height.min() < SHALLOWEST:
-            raise InputError(
-                f"the deepest point lies at {self.height.min():.3g} nm: no imprint, or heights in um",
-                remedy="give nm, negative below the surface around",
-                place="height_nm",
-            )
+            problem = f"the deepest point lies at {self.height.min():.3g} nm: no imprint, or heights in um"
+            raise InputError(problem, remedy="give nm, negative below the surface around", place="height_nm")
 
 
 def read_imprint(path: str | Path) -> ImprintProfile:

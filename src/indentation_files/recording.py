@@ -88,13 +88,10 @@ class Recording:
         What comes before the clock's zero without load is the approach, and is left out. A recording that begins under
         load (its first points cut off, or taken after the start) is extended back to zero load and depth at the rate of
         its first loading, after a hold at a preload if there is one. The clock's own zero is kept when loading began
-        within one sampling interval of it, and no point under load is there. Where a displacement is prescribed,
-        that is the `drive` (n,) by which all this is decided, in place of the load.
+        within one sampling interval of it, and no point under load is there. Where a displacement is prescribed, that
+        is the `drive` (n,) by which all this is decided, in place of the load.
 
-        Raises
-        ------
-        InputError
-            When the recording begins under load that does not rise.
+        Raises `InputError` when the recording begins under load that does not rise.
         """
         drive = self.load if drive is None else drive
         peak = int(np.argmax(drive))
@@ -112,11 +109,8 @@ class Recording:
             rise = slice(first, last + 1)
             rate = np.polyfit(self.time[rise] - begin, drive[rise], 1)[0] if last else 0.0
             if rate <= 0:
-                raise InputError(
-                    f"the recording begins under {self.load[0]:.4g} mN that does not rise",
-                    remedy="export the test from contact on",
-                    place="load_mN",
-                )
+                problem = f"the recording begins under {self.load[0]:.4g} mN that does not rise"
+                raise InputError(problem, remedy="export the test from contact on", place="load_mN")
             begin -= drive[0] / rate
         if abs(begin) <= interval and not (loaded and self.time[0] <= 0.0):
             begin = 0.0

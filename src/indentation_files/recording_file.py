@@ -115,11 +115,9 @@ def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
     notes, number, found = _begun(lines)
     with located_in(path):
         if found != header:
-            raise InputError(
-                f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}",
-                remedy="name the columns like that, in these units, separated by commas",
-                place=f"line {number}" if found else None,
-            )
+            problem = f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}"
+            remedy = "name the columns like that, in these units, separated by commas"
+            raise InputError(problem, remedy=remedy, place=f"line {number}" if found else None)
         return _columns(lines, header, notes), notes
 
 
@@ -188,11 +186,9 @@ def _columns(lines: Iterable[tuple[int, str]], header: str, notes: list[str] | N
         except ValueError:
             row = []
         if len(row) != len(names):
-            raise InputError(
-                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers",
-                remedy=f"write {', '.join(names[:-1])} and {names[-1]} with decimal points",
-                place=f"line {number}",
-            )
+            problem = f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers"
+            remedy = f"write {', '.join(names[:-1])} and {names[-1]} with decimal points"
+            raise InputError(problem, remedy=remedy, place=f"line {number}")
         numbers.extend(row)
     return np.frombuffer(numbers, dtype=float).reshape(-1, len(names)).T.copy()
 

@@ -41,11 +41,8 @@ class UniaxialTest:
         steps = np.diff(self.time)
         if np.any(steps <= 0.0):
             point = int(np.flatnonzero(steps <= 0.0)[0]) + 1
-            raise InputError(
-                f"time does not increase from point {point} ({self.time[point - 1]:g} s) to point {point + 1}",
-                remedy="sort the points and drop repeated times",
-                place="time_s",
-            )
+            problem = f"time does not increase from point {point} ({self.time[point - 1]:g} s) to point {point + 1}"
+            raise InputError(problem, remedy="sort the points and drop repeated times", place="time_s")
 
     @property
     def held_longer(self) -> str:

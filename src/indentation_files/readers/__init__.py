@@ -137,11 +137,8 @@ def locate(named: str, data: str | None) -> str:
     if Path(data) / path in found:
         return str(Path(data) / path)
     if len(found) > 1:
-        raise InputError(
-            f"{named} may be {' or '.join(str(file) for file in found[:PLACES])}",
-            remedy="give its path below the folder of data",
-            place="source.file",
-        )
+        problem = f"{named} may be {' or '.join(str(file) for file in found[:PLACES])}"
+        raise InputError(problem, remedy="give its path below the folder of data", place="source.file")
     return str(found[0] if found else Path(data) / path.name)
 
 
@@ -165,11 +162,8 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
             place = f"source.conditions.{condition}"
             test = select(tests, str(name), source["file"], place)
             if test.name in owners:
-                raise InputError(
-                    f"{name} is test {test.name!r}, which counts in {owners[test.name]} already",
-                    remedy="name each test once",
-                    place=place,
-                )
+                problem = f"{name} is test {test.name!r}, which counts in {owners[test.name]} already"
+                raise InputError(problem, remedy="name each test once", place=place)
             owners[test.name] = condition
             found[condition].append(test)
     return found
@@ -202,10 +196,8 @@ def _whole(
     missing = None if no_table(source) else missing_channel(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
-        raise InputError(
-            f"its table names {others}, but no column that palpate knows as {missing}",
-            remedy=f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too",
-        )
+        remedy = f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too"
+        raise InputError(f"its table names {others}, but no column that palpate knows as {missing}", remedy=remedy)
     raise unknown(source)
 
 

@@ -79,10 +79,8 @@ def read(source: Source) -> list[VendorTest | Unreadable]:
         except errors.MissingMetaDataError as error:
             raise not_stated(*error.meta_keys) from error
         except (Exception, errors.AFMFileFormatError) as error:
-            raise InputError(
-                f"afmformats cannot read it ({_reason(error, copy)})",
-                remedy="export the curve as text, with time, force and height (JPK's text export is read)",
-            ) from error
+            remedy = "export the curve as text, with time, force and height (JPK's text export is read)"
+            raise InputError(f"afmformats cannot read it ({_reason(error, copy)})", remedy=remedy) from error
     if not tests:
         raise InputError("holds no force curve", remedy="export force-distance curves")
     return tests

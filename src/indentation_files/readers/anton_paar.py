@@ -42,10 +42,8 @@ def read(source: Source) -> list[VendorTest]:
         for _, line in lines.in_words():
             if all(re.search(rf"\b({'|'.join(names)}) *[(\[]", line) for names in NAMES.values()):
                 require_tabs(line)
-        raise InputError(
-            "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
-            remedy="export the test again, with data, or name its columns (--columns time=...,load=...,depth=...)",
-        )
+        remedy = "export the test again, with data, or name its columns (--columns time=...,load=...,depth=...)"
+        raise InputError("lacks its column line, such as Time (s), Pd (nm), Fn (mN)", remedy=remedy)
     places = columns(lines[start])
     values = table(lines[start + 1 :], len(lines[start].rstrip().split("\t")))
     refuse_unlike(lines[start], columns, values)

@@ -146,10 +146,8 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
     clean: list[Series] = []
     for key, found in (("load", load), ("depth", depth)):
         if len(found) != 1:
-            raise InputError(
-                f"has {len(found)} columns of {key}",
-                remedy="export both channels once, under a name of its own for each test",
-            )
+            problem = f"has {len(found)} columns of {key}"
+            raise InputError(problem, remedy="export both channels once, under a name of its own for each test")
         kept, messages = usable(f"{name}, {key}", *found[0])
         warnings += [f"{key}: {message}" for message in messages]
         clean.append((found[0][0][kept], found[0][1][kept]))
@@ -165,10 +163,7 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
 def _common(time: np.ndarray, moments: np.ndarray) -> np.ndarray:
     """Return which times of the load (n,) lie within the depth's (m,).
 
-    Raises
-    ------
-    InputError
-        When fewer than two do, or many more than elsewhere lie between two points of the depth.
+    Raises `InputError` when fewer than two do, or many more than elsewhere lie between two points of the depth.
     """
     rounding = 1e-9 * np.ptp(time)
     common = (time > moments[0] - rounding) & (time < moments[-1] + rounding)

@@ -42,11 +42,8 @@ class ColumnMap:
     def __post_init__(self) -> None:
         for key in CHANNELS:
             if key not in self.names:
-                raise InputError(
-                    f"no column is named for {key}",
-                    remedy=f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed",
-                    place="columns",
-                )
+                remedy = f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed"
+                raise InputError(f"no column is named for {key}", remedy=remedy, place="columns")
         for given, place in ((self.names, "columns"), (self.units, "units")):
             for key in given:
                 if key not in CHANNELS:

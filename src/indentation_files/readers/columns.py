@@ -146,11 +146,9 @@ def _check_assumed(table: Table, columns: ColumnMap, assumed: Sequence[str], tim
         line = ", ".join(str(cell) for cell in table.rows[row] if is_word(str(cell)))
         for key, unit in in_prose(line).items():
             if key in assumed and unit != CHANNELS[key]:
-                raise InputError(
-                    f"column {columns.names[key]} has no unit beside it, and {line[:60]!r} says {unit}",
-                    remedy=f"state it by --units {key}=UNIT (in a study by source.units)",
-                    place=table.place(row),
-                )
+                problem = f"column {columns.names[key]} has no unit beside it, and {line[:60]!r} says {unit}"
+                remedy = f"state it by --units {key}=UNIT (in a study by source.units)"
+                raise InputError(problem, remedy=remedy, place=table.place(row))
     begin, duration = abs(float(time[0])), float(np.ptp(time))
     if "time" in assumed and begin > LONG_AGO * duration and not EPOCH[0] <= begin < EPOCH[1]:
         raise InputError(

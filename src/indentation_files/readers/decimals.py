@@ -57,11 +57,9 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str], sign: st
 
 def _unclear(row: int, column: int, rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> InputError:
     """Return the error of a cell whose sign may be the decimal one."""
-    return InputError(
-        f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not show which",
-        remedy="export the numbers without separators of thousands, or with other than three decimals",
-        place=place(row),
-    )
+    problem = f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not show which"
+    remedy = "export the numbers without separators of thousands, or with other than three decimals"
+    return InputError(problem, remedy=remedy, place=place(row))
 
 
 def _by_sign(rows: Sequence[Sequence[Any]], sign: str) -> np.ndarray:

@@ -129,8 +129,5 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
         problem = f"{doubtful[0]!r} may be the {key}'s unit or part of the name"
     else:
         problem = f"the {key}'s unit {doubtful[0]!r} is not known"
-    raise InputError(
-        problem,
-        remedy=f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(SCALES[key])}",
-        place=f"column {column}",
-    )
+    remedy = f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(SCALES[key])}"
+    raise InputError(problem, remedy=remedy, place=f"column {column}")

@@ -83,10 +83,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
         target = depth - cell - sensor[0] if sensor else depth - cell
         rate, compliance, misfit = applied(target, [], load, time)
         if not sensor or misfit > EXACT:
-            raise InputError(
-                "states neither compliance nor drift rate, and its sensor's displacement does not give them",
-                remedy="leave --raw and --correct off",
-            )
+            problem = "states neither compliance nor drift rate, and its sensor's displacement does not give them"
+            raise InputError(problem, remedy="leave --raw and --correct off")
         facts |= {"drift [nm/s]": f"{rate:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
     if corrections is not None and "drift" not in corrections:
         depth = depth + (_entry(entries, "Drift Rate") if versioned else rate) * since
@@ -119,11 +117,8 @@ def _entry(entries: dict[str, str], key: str) -> float:
     size, _, unit = text.partition(" ")
     value = number(size) * UNITS[key].get(plain(unit), np.nan)
     if not np.isfinite(value):
-        raise InputError(
-            f"is {text!r}, expected a number and its unit, such as 0.1 {next(iter(UNITS[key]))}",
-            remedy="correct the entry, or copy the file again",
-            place=key,
-        )
+        problem = f"is {text!r}, expected a number and its unit, such as 0.1 {next(iter(UNITS[key]))}"
+        raise InputError(problem, remedy="correct the entry, or copy the file again", place=key)
     return value
 
 

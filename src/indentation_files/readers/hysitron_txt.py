@@ -54,10 +54,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     if not {*CHANNELS} <= {*places}:
         raise InputError("lacks one of the columns Depth (nm), Load (µN), Time (s)", remedy="export them")
     if corrections is not None and VOLTS not in places:
-        raise InputError(
-            "without the column Depth (V) or Disp. Voltage(V) the corrections cannot be taken off",
-            remedy="export the volts, or leave --raw and --correct off",
-        )
+        problem = "without the column Depth (V) or Disp. Voltage(V) the corrections cannot be taken off"
+        raise InputError(problem, remedy="export the volts, or leave --raw and --correct off")
     announced = next(found[1] for line in source.lines[:HEAD] if (found := COUNT.match(line)))
     width = len(source.lines[start].rstrip().split("\t"))
     values = counted(source.lines[start + 1 :], width, announced)
@@ -71,10 +69,8 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     if corrections is not None:
         drift, compliance, misfit = applied(depth, volts, load, time)
         if misfit > EXACT:
-            raise InputError(
-                f"depth does not follow from volts, load and time (they leave {misfit:.3g} nm)",
-                remedy="leave --raw and --correct off",
-            )
+            problem = f"depth does not follow from volts, load and time (they leave {misfit:.3g} nm)"
+            raise InputError(problem, remedy="leave --raw and --correct off")
         if "drift" not in corrections:
             depth = depth + drift * (time - time[begin])
         if "frame" not in corrections:
@@ -86,14 +82,10 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
 def applied(
     depth: np.ndarray, sensor: Sequence[np.ndarray], load: np.ndarray, time: np.ndarray
 ) -> tuple[float, float, float]:
-    """Return the drift [nm/s] and compliance [nm/mN] taken off a `depth` (n,), and the misfit [nm] of that.
+    """Return the drift [nm/s] and compliance [nm/mN] taken off a `depth` (n,) [nm], and the misfit [nm] of that.
 
     What is left of the depth is constant, or follows linearly from the volts of a `sensor`, in one column or none.
-
-    Parameters
-    ----------
-    depth, load, time : ndarray, shape (n,)
-        [nm], [mN], [s].
+    `load` and `time` (n,) are in mN and s.
     """
     terms = np.column_stack([np.ones_like(load), *sensor, load, time])
     solution = np.linalg.lstsq(terms, depth, rcond=None)[0]

@@ -134,10 +134,8 @@ def _depth(segment: ExportedSegment, load: np.ndarray) -> np.ndarray:
         return -segment.channel("depth", TIP)
     spring = segment.stated("springConstant")
     if not spring:
-        raise InputError(
-            "states no spring constant, so that the way of the tip is not known",
-            remedy=f"calibrate the cantilever, or export the column {TIP[0]} too",
-        )
+        problem = "states no spring constant, so that the way of the tip is not known"
+        raise InputError(problem, remedy=f"calibrate the cantilever, or export the column {TIP[0]} too")
     return -segment.channel("depth", HEIGHTS) - 1e6 * load / spring
 
 

@@ -25,16 +25,10 @@ KINDS = bytes(
 class Lines(Sequence[str]):
     """Lines of a text, whatever ends them.
 
-    Parameters
-    ----------
-    stream, encoding
-        The text's bytes; each byte that breaks a line is one in ASCII.
-    starts : ndarray, shape (n + 1,)
-        Where each line begins, and where the last one ends.
-    worded : ndarray
-        Numbers, from 0, of the lines that hold more than digits, signs and what parts numbers.
-    first
-        Number of the first line in the file, from 1, for messages.
+    The text's bytes are in the `stream`; by its `encoding` each byte that breaks a line is one in ASCII. `starts` (n +
+    1,) says where each line begins, and where the last one ends. `worded` are the numbers, from 0, of the lines that
+    hold more than digits, signs and what parts numbers; `first` is that of the first line in the file, from 1, for
+    messages.
     """
 
     stream: BinaryIO

@@ -169,10 +169,8 @@ def _check_turn(extended: np.ndarray, retracted: np.ndarray) -> None:
         ("retraction does not begin", retracted[-1], retracted[0], retracted.max()),
     ):
         if near < far + HALF * (largest - far):
-            raise InputError(
-                f"the {name} under load: its rows and its times run against each other",
-                remedy="export the force curve again, or the extension alone",
-            )
+            problem = f"the {name} under load: its rows and its times run against each other"
+            raise InputError(problem, remedy="export the force curve again, or the extension alone")
 
 
 def _facts(lines: Sequence[str]) -> dict[str, str]:

@@ -27,23 +27,16 @@ def number(cell: str) -> float:
 def require_tabs(headings: str) -> None:
     """Raise `InputError` on a line of headings without tabs: another program has saved the vendor's file anew."""
     if "\t" not in headings:
-        raise InputError(
-            f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew",
-            remedy="export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)",
-        )
+        remedy = "export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)"
+        raise InputError(f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew", remedy=remedy)
 
 
 def table(lines: Lines, columns: int, delimiter: str = "\t") -> np.ndarray:
     """Return the numbers (n, columns) in lines; NaN for empty cells and "invalid"; blank lines are passed over.
 
     The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``. A blank as
-    the `delimiter` of cells means any number of blanks and tabs.
-
-    Raises
-    ------
-    InputError
-        When a cell is no number, a row is too short, there is none, or a point and a comma are equally likely to be the
-        decimal sign.
+    the `delimiter` of cells means any number of blanks and tabs. Raises `InputError` when a cell is no number, a row is
+    too short, there is none, or a point and a comma are equally likely to be the decimal sign.
     """
     found = plain_numbers(lines, delimiter)
     if found and len(found[0]) >= columns:
@@ -74,17 +67,12 @@ def _one_by_one(lines: Lines, columns: int, delimiter: str) -> np.ndarray:
     if short < len(rows) and any(map(is_word, rows[short])):
         words.append(short)
     if words:
-        raise InputError(
-            f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers",
-            remedy="export each test to a file of its own, or name its columns (--columns time=...,load=...,depth=...)",
-            place=places[words[0]],
-        )
+        problem = f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers"
+        remedy = "export each test to a file of its own, or name its columns (--columns time=...,load=...,depth=...)"
+        raise InputError(problem, remedy=remedy, place=places[words[0]])
     if short < len(rows):
-        raise InputError(
-            f"{len(rows[short])} columns where {columns} were announced; the file is cut off",
-            remedy="export the test again",
-            place=places[short],
-        )
+        problem = f"{len(rows[short])} columns where {columns} were announced; the file is cut off"
+        raise InputError(problem, remedy="export the test again", place=places[short])
     return values
 
 

@@ -105,11 +105,9 @@ def parts_of(body: TableBody) -> list[Part]:
             if (_is_header(row) and not body.repeated[k]) or (is_row_of_units(row) and row not in body.above)
         ]
         if others:
-            raise InputError(
-                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are no names and units of the test before",
-                remedy="write each of several tests to a file of its own",
-                place=body.cells.place(others[0]),
-            )
+            problem = f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are no names and units of the test before"
+            remedy = "write each of several tests to a file of its own"
+            raise InputError(problem, remedy=remedy, place=body.cells.place(others[0]))
     return parts
 
 

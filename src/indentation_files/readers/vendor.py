@@ -165,10 +165,8 @@ def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[s
 def refuse_corrections(corrections: Corrections) -> None:
     """Raise `InputError` when corrections are chosen on a file that holds nothing but the final channels."""
     if corrections is not None:
-        raise InputError(
-            "this export holds the vendor's final channels only",
-            remedy="leave --raw and --correct off, or export raw data",
-        )
+        problem = "this export holds the vendor's final channels only"
+        raise InputError(problem, remedy="leave --raw and --correct off, or export raw data")
 
 
 def vendor_test(

@@ -204,22 +204,17 @@ def _check_signs(name: str, recording: Recording) -> None:
     load, depth, peak = recording.load, recording.depth, int(np.argmax(recording.load))
     for channel, recorded in (("load", load), ("depth", depth)):
         if np.ptp(recorded) == 0.0:
-            raise InputError(
-                f"the {channel} is {recorded[0]:.4g} {CHANNELS[channel]} at all {len(recorded)} points",
-                remedy=f"check which column holds the {channel}, or leave this test out",
-                place=name,
-            )
+            problem = f"the {channel} is {recorded[0]:.4g} {CHANNELS[channel]} at all {len(recorded)} points"
+            remedy = f"check which column holds the {channel}, or leave this test out"
+            raise InputError(problem, remedy=remedy, place=name)
     for channel, wrong, values in (
         ("load", load[peak] - load[0] < LEAST_RISE * (load[0] - load.min()), (load[0], load.min())),
         ("depth", depth[peak] < depth[0], (depth[0], depth[peak])),
     ):
         if wrong:
             unit = CHANNELS[channel]
-            raise InputError(
-                f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses",
-                remedy=f"{to_turn(channel)}, or export the loading too",
-                place=name,
-            )
+            problem = f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses"
+            raise InputError(problem, remedy=f"{to_turn(channel)}, or export the loading too", place=name)
 
 
 def _never_borne(recording: Recording) -> tuple[str, ...]:
