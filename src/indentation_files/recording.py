@@ -233,12 +233,12 @@ def _agree_as_written(values: np.ndarray, others: np.ndarray) -> bool:
     span, apart = float(np.ptp(values)), float(np.abs(values - others).max())
     if apart > ROUNDED * span:
         return False
-    return apart <= 0.5 * max(_last_digit(values), _last_digit(others)) + 1e-9 * span
+    return apart <= 0.5 * max(last_digit(values), last_digit(others)) + 1e-9 * span
 
 
-def _last_digit(values: np.ndarray) -> float:
+def last_digit(values: np.ndarray) -> float:
     """Return the largest power of ten of which all of some values (n,) are multiples; zero where none is."""
-    for step in 10.0 ** np.arange(3, -10, -1):
+    for step in 10.0 ** np.arange(6, -13, -1):
         counts = values / step
         if (np.abs(counts - np.round(counts)) <= 1e-6 + 1e-15 * np.abs(counts)).all():
             return float(step)

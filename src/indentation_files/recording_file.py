@@ -123,7 +123,7 @@ def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
 
 def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
-    with _errors_of_reading(path):
+    with errors_of_reading(path):
         large = path.stat().st_size > LARGE
     return _checked(_numbered(path), path, large)
 
@@ -137,7 +137,7 @@ def recording_in(lines: Sequence[str], path: Path) -> Recording:
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     """Yield the lines of a text file with their numbers; raises `InputError`."""
     refuse_special(path)
-    with _errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
+    with errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
         for number, line in enumerate(iter(lambda: stream.readline(LONGEST), ""), 1):
             if len(line) == LONGEST:
                 problem, remedy = "the line is longer than that of any table", "export or copy the test again"
@@ -146,8 +146,8 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
 
 
 @contextmanager
-def _errors_of_reading(path: Path) -> Iterator[None]:
-    """Turn what reading a text file raises into `InputError`."""
+def errors_of_reading(path: Path) -> Iterator[None]:
+    """Turn what reading a file raises into `InputError`."""
     try:
         yield
     except OSError as error:

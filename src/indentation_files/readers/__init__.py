@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from indentation_files.discovery import discover
-from indentation_files.errors import InputError, part_of
+from indentation_files.errors import InputError, located_in, part_of
 from indentation_files.readers.column_map import ColumnMap, by_headings
 from indentation_files.readers.columns import holds_columns, missing_channel, read_columns
 from indentation_files.readers.left_out import nothing_found
@@ -32,6 +32,7 @@ from indentation_files.readers.vendor import (
     unless_all_fail,
 )
 from indentation_files.readers.zero import Contact, zeroed_each
+from indentation_files.recording_file import errors_of_reading
 from indentation_files.regular_file import refuse_special
 from indentation_files.sentences import PLACES
 
@@ -103,13 +104,12 @@ def read_each(
     """
     path = Path(path)
     refuse_special(path)
-    try:
+    with located_in(path), errors_of_reading(path):
         if path.stat().st_size > LARGEST:
             raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once")
         with path.open("rb") as stream:
             if sha256 is not None and hashlib.file_digest(stream, "sha256").hexdigest() != sha256:
-                problem = "is not the file that the study names (sha256 differs)"
-                raise InputError(problem, remedy="fetch it again")
+                raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again")
             source = Source(path, stream)
             if all(block.isspace() for block in source.blocks()):
                 raise InputError("is empty", remedy="export or copy it again")
@@ -117,10 +117,6 @@ def read_each(
                 tests = [_printable(test) for test in _whole(source, corrections, columns, columns_required)]
                 aside = [set_aside(source, test) for test in zeroed_each(path, averages(tests), contact)]
                 return [*unless_all_fail(remarked(source, aside)), *not_shown(source)]
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
-    except InputError as error:
-        raise error.located(file=path) from None
 
 
 def locate(named: str, data: str | None) -> str:

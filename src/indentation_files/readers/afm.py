@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from indentation_files.bounded_hdf5 import problem_of
-from indentation_files.bounded_process import BEYOND, MEMORY
+from indentation_files.bounded_process import BEYOND, MEMORY, problem_of
 from indentation_files.errors import InputError
 from indentation_files.readers.igor import HEADERS, is_wave, sampling, stated
 from indentation_files.readers.source import HDF5, ZIP, Source

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from indentation_files.bounded_hdf5 import available, read_hdf5
+from indentation_files.bounded_process import available, read_hdf5
 from indentation_files.errors import InputError
 from indentation_files.readers.several_tests import Part, parted
 from indentation_files.readers.source import HDF5, Source

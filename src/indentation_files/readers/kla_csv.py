@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from indentation_files.bounded_workbook import Workbook
+from indentation_files.bounded_process import Workbook
 from indentation_files.readers import kla
 from indentation_files.readers.sheets_of_tests import MARKERS, names_among
 from indentation_files.readers.source import Source

@@ -125,11 +125,12 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
             found[k] = channel = channel.copy()
             channel[dropped] = np.inf
         finite = np.isfinite(channel)
-        for code in set(_extremes(taken(channel, finite))) if finite.any() else ():
+        some = taken(channel, finite)
+        for code in {float(some.min()), float(some.max())} if len(some) else ():
             others = finite & (channel != code)
             if others.sum() < max(VARIED, (1 - FEW) * finite.sum()):
                 continue
-            least, largest = _extremes(taken(channel, others))
+            least, largest = taken(channel, others).min(), taken(channel, others).max()
             if min(abs(least - code), abs(largest - code)) <= largest - least:
                 continue
             if len(np.unique(channel[others])) >= VARIED:
@@ -161,11 +162,6 @@ def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
     return zeros[pressed & near & far]
 
 
-def _extremes(values: np.ndarray) -> tuple[float, float]:
-    """Return the least and the largest of some values (n,)."""
-    return float(values.min()), float(values.max())
-
-
 def padding(channels: Channels) -> np.ndarray:
     """Return which rows are zeros that follow a test: at the end, or before more.
 
@@ -185,7 +181,7 @@ def padding(channels: Channels) -> np.ndarray:
         rows = np.flatnonzero(filled)[[last - 1, last]]
         for channel in channels[1:]:
             before, end = np.abs(channel[rows])
-            largest = max(map(abs, _extremes(taken(channel, filled))))
+            largest = max(-taken(channel, filled).min(), taken(channel, filled).max())
             zero[last + 1 :] |= end > max(SAME * largest, TWICE * abs(end - before))
     padded[filled] = zero
     return padded

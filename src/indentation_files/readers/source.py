@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from indentation_files.bounded_workbook import Workbook, read_workbook
+from indentation_files.bounded_process import Workbook, read_workbook
 from indentation_files.errors import InputError
 from indentation_files.readers.lines import BLOCK, Lines, piece
 

@@ -14,7 +14,7 @@ from indentation_files.borne_load import LEAST_RISE, check_borne
 from indentation_files.channel_noise import noise_of
 from indentation_files.contact_interval import VAGUE, interval_note
 from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, touch_at
-from indentation_files.errors import InputError
+from indentation_files.errors import InputError, located_in
 from indentation_files.readers import in_air
 from indentation_files.readers.source import numbers_of
 from indentation_files.readers.units import CHANNELS, to_turn
@@ -52,14 +52,15 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     if contact == "none":
         return test
     _check_signs(test.name, r)
-    test = replace(test, warnings=(*test.warnings, *_never_borne(r)))
+    try:
+        check_borne(r)
+    except InputError as error:
+        test = replace(test, warnings=(*test.warnings, error.problem))
     if contact == "file":
         return _from_the_file_s(test)
-    try:
+    with located_in(place=test.name):
         found = first_touch(r.time, r.load, r.depth) if contact == "auto" else None
         point = found or touch_at(float(contact), r.time, r.load, r.depth)
-    except InputError as error:
-        raise error.located(place=test.name) from None
     messages = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
     messages = (*_subtracted(r, point), *messages)
     begins = begun(r, point, FOUND if found else GIVEN)
@@ -215,15 +216,6 @@ def _check_signs(name: str, recording: Recording) -> None:
             unit = CHANNELS[channel]
             problem = f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses"
             raise InputError(problem, remedy=f"{to_turn(channel)}, or export the loading too", place=name)
-
-
-def _never_borne(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where a test never bears load."""
-    try:
-        check_borne(recording)
-    except InputError as error:
-        return (error.problem,)
-    return ()
 
 
 def _counted_from_the_start(r: Recording, level: float) -> tuple[Recording, tuple[str, ...]]:
