@@ -6,7 +6,6 @@ may state a table of many gigabytes. Here that ends the other process.
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import pickle
 import resource
@@ -77,11 +76,6 @@ class Hdf5Tables:
     groups: dict[str, dict[str, tuple[list[float], dict[str, str]]]] = field(default_factory=dict)
     attributes: dict[str, dict[str, str]] = field(default_factory=dict)
     problem: str = ""
-
-
-def available() -> bool:
-    """Return whether the library h5py is installed."""
-    return importlib.util.find_spec("h5py") is not None
 
 
 def read_hdf5(content: bytes) -> Hdf5Tables:

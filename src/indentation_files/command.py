@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
     from indentation_files.errors import InputError
-    from indentation_files.readers import VendorTest
     from indentation_files.survey import Survey
 
 HELP = "convert an instrument's file to one CSV for each test"
@@ -166,7 +165,10 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
     for line in readers.messages(arguments.file, begun):
         report(line)
     if arguments.stiffness:
-        _report_missing_stiffness(arguments.file, [test for _, test in readable], report)
+        without = [test.name for _, test in readable if test.recording.stiffness is None]
+        names = "" if len(without) == len(readable) else f" in {', '.join(without)}"
+        if without:
+            report(f"{arguments.file}: holds no stiffness by oscillation{names}; no column is added")
     for number, (file, (_, test)) in enumerate(zip(paths, readable, strict=True)):
         stiffness = test.recording.stiffness if arguments.stiffness else None
         notes = provenance(test, arguments.corrections)
@@ -190,11 +192,7 @@ def _written(path: Path, write: Callable[[Path], object], report: Report) -> Pat
 
 
 def _write_table(
-    file: Path,
-    folder: Path,
-    surveys: Sequence[Survey | InputError],
-    taken: Sequence[tuple[str, float]],
-    report: Report,
+    file: Path, folder: Path, surveys: Sequence[Survey | InputError], taken: Sequence[tuple[str, float]], report: Report
 ) -> None:
     """Write the table of a file's surveys, and report which tests it leaves out."""
     from indentation_files.survey import Survey, table
@@ -207,14 +205,6 @@ def _write_table(
             report(f"{found.located(file=file)}; left out of the survey")
     text = table(*zip(*rows, strict=True)).to_csv(index=False, sep="\t", float_format="%.5g")
     _written(folder / f"{file.stem}_survey.txt", lambda place: place.write_text(text, encoding="utf-8"), report)
-
-
-def _report_missing_stiffness(file: Path, tests: Sequence[VendorTest], report: Report) -> None:
-    """Report, in one line, which tests get no column of the stiffness that was asked for."""
-    without = [test.name for test in tests if test.recording.stiffness is None]
-    if without:
-        names = "" if len(without) == len(tests) else f" in {', '.join(without)}"
-        report(f"{file}: holds no stiffness by oscillation{names}; no column is added")
 
 
 def _paths(folder: Path, names: list[str]) -> list[Path]:

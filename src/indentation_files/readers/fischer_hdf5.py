@@ -6,12 +6,13 @@ layout are none of Fischer's, and their depths and loads may be raw.
 
 from __future__ import annotations
 
+import importlib.util
 import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from indentation_files.bounded_process import available, read_hdf5
+from indentation_files.bounded_process import read_hdf5
 from indentation_files.errors import InputError
 from indentation_files.readers.several_tests import Part, parted
 from indentation_files.readers.source import HDF5, Source
@@ -45,7 +46,7 @@ def matches(source: Source) -> bool:
 
 def read(source: Source) -> list[VendorTest | Unreadable]:
     """Read all tests; raises `InputError` when the library h5py is missing, or no test can be read."""
-    if not available():
+    if importlib.util.find_spec("h5py") is None:
         raise InputError("Fischer's HDF5 needs the library h5py", remedy="install it: pip install h5py")
     found = read_hdf5(source.content)
     if found.problem:

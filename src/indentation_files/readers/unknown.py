@@ -23,8 +23,7 @@ KINDS = {
     b"MM\0*": ("a TIFF image", AS_TEXT),
     b"<?xml": ("an XML file", "save it as a workbook (.xlsx) or as text; " + LIST),
     **dict.fromkeys(
-        (b"<html", b"<table", b"<!doctype html"),
-        ("an HTML page", "save it as a workbook (.xlsx) or as text; " + LIST),
+        (b"<html", b"<table", b"<!doctype html"), ("an HTML page", "save it as a workbook (.xlsx) or as text; " + LIST)
     ),
 }
 CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a\x1b"))
