@@ -61,11 +61,6 @@ class Baselines:
         return -float(np.log(16.0) + of_wave + of_start)
 
 
-def prior_deviation(term: Term) -> float:
-    """Return the standard deviation of a term's coefficient before the data, in units of the load's range."""
-    return DEVIATIONS[term[0].split()[0]]
-
-
 def values(term: Term, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
     """Return a term (n,) over times and depths (n,) that run over a unit."""
     name, number = term

@@ -32,7 +32,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.linalg.lapack import dtrtrs
 from scipy.special import ndtr
 
-from indentation_files.baseline import Baselines, Term, correlated, prior_deviation, values
+from indentation_files.baseline import DEVIATIONS, Baselines, Term, correlated, values
 from indentation_files.contact_law import Laws
 
 DISCREPANCIES = (0.001, 0.01, 0.05, 0.2)  # of the law from the body, on trial; shares of its load
@@ -212,7 +212,7 @@ class Evidence:
         To the last the normalisation of the coefficients' prior is added.
         """
         if terms not in self._baselines:
-            spread = np.array([prior_deviation(term) for term in terms])
+            spread = np.array([DEVIATIONS[name.split()[0]] for name, _ in terms])
             prior = self.baselines.log_prior(terms) - float(np.log(spread).sum())
             chosen = np.array([1 + self.terms.index(term) for term in terms])
             self._baselines[terms] = chosen, np.diag(spread**-2.0), prior

@@ -33,7 +33,14 @@ def interval_of(recording: Recording) -> tuple[float, float] | None:
     for note in recording.notes:
         key, _, text = note.partition(":")
         if key.strip() == KEY:
-            return _numbers(text, recording.name)
+            try:
+                lower, upper = (float(cell) for cell in text.split())
+            except ValueError:
+                lower = upper = math.nan
+            if not -math.inf < lower <= upper < math.inf:
+                problem = f"{recording.name}: {text.strip()!r} is no interval"
+                raise InputError(problem, remedy="give two depths in nm, the lower one first", place=KEY)
+            return lower, upper
     return None
 
 
@@ -44,19 +51,6 @@ def joint_interval(recordings: Iterable[Recording]) -> tuple[float, float] | Non
     if not known or len(known) < len(found):
         return None
     return min(lower for lower, _ in known), max(upper for _, upper in known)
-
-
-def _numbers(text: str, name: str) -> tuple[float, float]:
-    """Return two finite numbers in order; raises `InputError`."""
-    try:
-        lower, upper = (float(cell) for cell in text.split())
-    except ValueError:
-        lower = upper = math.nan
-    if not (math.isfinite(lower) and math.isfinite(upper) and lower <= upper):
-        raise InputError(
-            f"{name}: {text.strip()!r} is no interval", remedy="give two depths in nm, the lower one first", place=KEY
-        )
-    return lower, upper
 
 
 @dataclass(frozen=True)

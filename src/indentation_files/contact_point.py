@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 
 from indentation_files.baseline import FOR_CURVE, FOR_OFFSET
 from indentation_files.channel_noise import long_run_noise, noise_of
-from indentation_files.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
+from indentation_files.contact_search import begins_in_air, earlier_touch, rise_in, rises_steadily, searched
 from indentation_files.departure import departure, faint_rise
 from indentation_files.errors import InputError
 
@@ -157,20 +157,11 @@ def _without_far_air(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return a loading (n,) less quiet air that is farther from a rough contact than eight times the way in."""
     while True:
-        contact = _rough(time, load, depth)
+        contact, _, _ = rise_in(time, load, depth)
         begin = int(np.argmax(depth > contact - FAR * (depth[-1] - contact)))
         if begin == 0 or len(depth) - begin < FEWEST or np.ptp(load[:begin]) > STILL * np.ptp(load):
             return time, load, depth
         time, load, depth = time[begin:], load[begin:], depth[begin:]
-
-
-def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
-    """Return the contact [nm] of the coarse fit to a loading (n,); its first depth where a channel never changes."""
-    duration, span, way = (float(np.ptp(channel)) for channel in (time, load, depth))
-    if not (span > 0.0 and way > 0.0):
-        return float(depth[0])
-    _, contact, _ = coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way, approach=True)
-    return float(depth[0] + way * contact)
 
 
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:

@@ -145,7 +145,7 @@ def earlier_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> floa
     length = len(load) if rises_steadily(load) else len(load) // 2
     while length >= FEWEST_IN_AIR:
         begin = len(load) - length
-        contact, height, ratio = _rise(time[begin:], load[begin:], depth[begin:])
+        contact, height, ratio = rise_in(time[begin:], load[begin:], depth[begin:])
         before = slice(max(begin - MOST_BEFORE * length, 0), begin)
         if height > MORE * _excursion(time[before], load[before], length) and ratio > max(clearest, CLEARLY):
             clearest, found = ratio, contact
@@ -169,7 +169,7 @@ def _excursion(time: np.ndarray, load: np.ndarray, length: int) -> float:
     return float(np.ptp(means - np.polyval(np.polyfit(clock, means, 1), clock))) if len(means) > 2 else 0.0
 
 
-def _rise(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
+def rise_in(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
     """Return where a law of contact on a straight line begins in a load (n,), its height, and that over what is left.
 
     The height is zero where the law explains little that the line does not, or the load does not end above its least:

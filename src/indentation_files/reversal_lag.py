@@ -129,8 +129,6 @@ def _within(corners: Sequence[tuple[float, float, Recording]], width: float) -> 
 def _estimate(tests: Sequence[list[_Corner]]) -> tuple[float, float, int] | None:
     """Return the lag, half its 95 % interval, and the number of corners."""
     tests = [test for test in tests if test]
-    if not tests:
-        return None
     known = [found for test in tests if (found := _of_test(test))]
     if not known:
         return None

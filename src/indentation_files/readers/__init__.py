@@ -225,9 +225,8 @@ def select(
     """
     named = {test.name: test for test in tests}
     numbered = dict(zip(numbers_of([test.name for test in tests]), tests, strict=True))
-    if wanted in named:
-        return raise_if_unreadable(selected(named[wanted]))
-    if wanted.isdecimal() and int(wanted) in numbered:
-        return raise_if_unreadable(selected(numbered[int(wanted)]))
+    found = named.get(wanted) or (numbered.get(int(wanted)) if wanted.isdecimal() else None)
+    if found is not None:
+        return raise_if_unreadable(selected(found))
     names = ", ".join(named)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

@@ -65,7 +65,8 @@ def headings_of(source: Source, sheet: str) -> dict[str, int]:
     """Return the columns of a sheet by their names in small letters, without units: ``load`` for ``LOAD (mN)``."""
     found: dict[str, int] = {}
     for index, cell in enumerate([*source.sheet(sheet)[:1], []][0]):
-        found.setdefault(_name(cell), index)
+        name = re.sub(r"[_\s]+", " ", BRACKETED.sub(" ", plain(str(cell))))
+        found.setdefault(" ".join(name.casefold().split()), index)
     return found
 
 
@@ -200,10 +201,6 @@ def facts_of(source: Source, sheets: Sequence[str]) -> dict[str, dict[str, str]]
                     if name and _text(cell)
                 )
     return facts
-
-
-def _name(cell: Any) -> str:
-    return " ".join(re.sub(r"[_\s]+", " ", BRACKETED.sub(" ", plain(str(cell)))).casefold().split())
 
 
 def _headings(cells: Sequence[Any]) -> list[str]:
