@@ -108,7 +108,6 @@ MODULE, CODE, ARGUMENTS = 300, 60, 8  # lines of a module, lines of a function's
 LARGE_MODULES = {
     "palpate/inference/fitting.py": "one algorithm: the way of a fit from level to level",
     "palpate/inference/trust_region.py": "one algorithm",
-    "indentation_files/readers/zero.py": "one question: where a test begins to count",
     "palpate/solver/axisymmetric/hencky.py": "one strain measure: its derivatives, forces and stiffness",
     "palpate/solver/axisymmetric/lanes.py": "the instructions of one vector type",
     "palpate/solver/axisymmetric/newton.py": "one algorithm",
