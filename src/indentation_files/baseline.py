@@ -29,14 +29,9 @@ STRAIGHT: tuple[tuple[Term, ...], ...] = ((), (("tilt", 0.0),), (("drift", 0.0),
 class Baselines:
     """Baselines on trial.
 
-    Parameters
-    ----------
-    waves
-        Waves on trial: ``depth`` or ``time``, and cycles over a unit of it.
-    in_air
-        Points before contact: an offset needs three, a slope six, a wave or a transient thirty.
-    together
-        Whether drift and tilt are also tried together, which is the whole load of a spring in series driven evenly.
+    `waves` are waves on trial: ``depth`` or ``time``, and cycles over a unit of it. Of the points before contact,
+    `in_air`, an offset needs three, a slope six, a wave or a transient thirty. Drift and tilt are tried `together` too,
+    which is the whole load of a spring in series driven evenly, unless that is excluded.
     """
 
     waves: tuple[tuple[str, float], ...] = ()
@@ -66,11 +61,6 @@ class Baselines:
         return -float(np.log(16.0) + of_wave + of_start)
 
 
-def prior_deviation(term: Term) -> float:
-    """Return the standard deviation of a term's coefficient before the data, in units of the load's range."""
-    return DEVIATIONS[term[0].split()[0]]
-
-
 def values(term: Term, time: np.ndarray, depth: np.ndarray) -> np.ndarray:
     """Return a term (n,) over times and depths (n,) that run over a unit."""
     name, number = term
@@ -91,16 +81,9 @@ def waves_in(
 ) -> tuple[tuple[str, float], ...]:
     """Return the strongest wave in the residual of a fit, in depth and in time, with neighbouring frequencies.
 
-    A least-squares periodogram (N.R. Lomb, Astrophys. Space Sci. 39 (1976) 447-462) beside a straight line.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        Of the fit.
-    weight : ndarray, shape (n,)
-        One over the standard deviation of each point.
-    time, depth : ndarray, shape (n,)
-        [s], [nm].
+    A least-squares periodogram (N.R. Lomb, Astrophys. Space Sci. 39 (1976) 447-462) beside a straight line, of a
+    `residual` (n,) over `time` [s] and `depth` [nm], each (n,); the `weight` (n,) is one over the standard deviation of
+    each point.
     """
     found: list[tuple[str, float]] = []
     for axis, along in (("depth", depth), ("time", time)):

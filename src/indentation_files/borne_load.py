@@ -1,4 +1,4 @@
-"""Whether a test bears load at all, or was made in air."""
+"""Whether a test bears load at all, or was made in air; and the pull of a surface on the tip that leaves it."""
 
 from __future__ import annotations
 
@@ -19,20 +19,17 @@ FIRST_WAY = 0.3  # of the largest depth
 NEAR_START = 10  # points that give the load without contact
 OUTLIER = 5  # points, chosen: the median of so many passes over one or two that stand out
 FEWEST = 20  # points that determine the noise of a load
+PULLED = 0.02  # of the largest load, chosen: a pull on the tip that is reported
+CLEAR = 10.0  # standard deviations of the load's noise, likewise
 
 
 def check_borne(recording: Recording) -> None:
     """Refuse a test that never bears load: its load stays within its noise, or drifts.
 
-    A load of the wrong sign is borne; what begins a test refuses it with the true reason.
-
-    It drifts where it stays near the noise and rises hardly more than on the first way in, or where it does not fall
-    while the tip comes back, which no body's does.
-
-    Raises
-    ------
-    InputError
-        With the rise and the noise, or with a point that stands out and hides what the others bear.
+    A load of the wrong sign is borne; what begins a test refuses it with the true reason. It drifts where it stays near
+    the noise and rises hardly more than on the first way in, or where it does not fall while the tip comes back, which
+    no body's does. Raises `InputError` with the rise and the noise, or with a point that stands out and hides what the
+    others bear.
     """
     load, depth = recording.load, recording.depth
     if len(load) < FEWEST or _borne(load, depth):
@@ -88,3 +85,14 @@ def _averaged(load: np.ndarray) -> tuple[np.ndarray, float, float]:
     smooth = uniform_filter1d(load, over, mode="nearest")
     noise = float(np.std(load - smooth))
     return smooth, noise / np.sqrt(over), noise
+
+
+def pull_off(recording: Recording) -> float:
+    """Return how far the load falls below that without contact, after its largest [mN]; 0 where little or within noise.
+
+    What the load reads without contact is taken from an approach, and is zero where a recording begins at contact.
+    """
+    load, peak = recording.load, int(np.argmax(recording.load))
+    free = float(np.median(load[:NEAR_START])) if recording.time[0] < 0.0 else 0.0
+    pull = free - float(median_filter(load, 3, mode="nearest")[peak:].min())
+    return pull if pull > max(PULLED * (load[peak] - free), CLEAR * noise_of(load)) else 0.0

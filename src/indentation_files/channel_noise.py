@@ -14,15 +14,10 @@ FEWEST_AVERAGES = 40  # chosen, likewise of averages
 
 
 def noise_of(values: np.ndarray) -> float:
-    """Return the standard deviation of a channel's noise (n,), in the channel's unit."""
-    return float(noises_of(values))
-
-
-def noises_of(values: np.ndarray) -> np.ndarray:
-    """Return the same (...,) for channels (..., n); zero where there are too few points."""
-    if values.shape[-1] < FEWEST:
-        return np.zeros(values.shape[:-1])
-    return np.median(np.abs(np.diff(values, 2, axis=-1)), axis=-1) / (MEDIAN * np.sqrt(6))
+    """Return the standard deviation of a channel's noise (n,), in its unit; zero where there are too few points."""
+    if len(values) < FEWEST:
+        return 0.0
+    return float(np.median(np.abs(np.diff(values, 2))) / (MEDIAN * np.sqrt(6)))
 
 
 def long_run_noise(values: np.ndarray) -> float:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 if TYPE_CHECKING:
     from indentation_files.errors import InputError
-    from indentation_files.readers import VendorTest
     from indentation_files.survey import Survey
 
 HELP = "convert an instrument's file to one CSV for each test"
@@ -136,40 +135,26 @@ Draw = Callable[..., object]
 def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None) -> int:
     """Write one CSV a test, with what the file states of it as comments; with ``--survey`` a table and figures too.
 
-    Parameters
-    ----------
-    arguments
-        Of `add_arguments`.
-    report
-        Called with one line on what was left out, sought or assumed.
-    draw
-        Draws a survey into a file; without it there are no figures.
+    The `arguments` are those of `add_arguments`. `report` is called with one line on what was left out, sought or
+    assumed. `draw` draws a survey into a file; without it there are no figures.
     """
+    from indentation_files import readers
     from indentation_files.errors import located_in
     from indentation_files.overwrite import checked_output
-    from indentation_files.provenance import provenance
-    from indentation_files.readers import (
-        ColumnMap,
-        VendorTest,
-        messages,
-        raise_if_unreadable,
-        read_each,
-        select,
-        zeroed_each,
-    )
+    from indentation_files.readers.vendor import provenance
     from indentation_files.readers.zero import decision
     from indentation_files.survey import Survey, survey_each
 
     with located_in(arguments.file):
-        columns = ColumnMap.stated(arguments.columns, arguments.units)
-        tests = read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
+        columns = readers.ColumnMap.stated(arguments.columns, arguments.units)
+        tests = readers.read_each(arguments.file, corrections=arguments.corrections, contact="none", columns=columns)
         if arguments.test is not None:
-            tests = [select(tests, arguments.test, arguments.file)]
-        begun = zeroed_each(arguments.file, tests, arguments.contact)
+            tests = [readers.select(tests, arguments.test, arguments.file)]
+        begun = readers.zeroed_each(arguments.file, tests, arguments.contact)
         readable = [
-            (raise_if_unreadable(whole), test)
+            (readers.raise_if_unreadable(whole), test)
             for whole, test in zip(tests, begun, strict=True)
-            if isinstance(test, VendorTest)
+            if isinstance(test, readers.VendorTest)
         ]
         surveys = survey_each([whole.recording for whole, _ in readable]) if arguments.survey else []
         taken = [decision(whole.recording, test.recording) for whole, test in readable]
@@ -177,10 +162,13 @@ def run(arguments: argparse.Namespace, report: Report, draw: Draw | None = None)
         checked_output(arguments.file, each) for each in _paths(arguments.output, [test.name for _, test in readable])
     ]
     arguments.output.mkdir(parents=True, exist_ok=True)
-    for line in messages(arguments.file, begun):
+    for line in readers.messages(arguments.file, begun):
         report(line)
     if arguments.stiffness:
-        _report_missing_stiffness(arguments.file, [test for _, test in readable], report)
+        without = [test.name for _, test in readable if test.recording.stiffness is None]
+        names = "" if len(without) == len(readable) else f" in {', '.join(without)}"
+        if without:
+            report(f"{arguments.file}: holds no stiffness by oscillation{names}; no column is added")
     for number, (file, (_, test)) in enumerate(zip(paths, readable, strict=True)):
         stiffness = test.recording.stiffness if arguments.stiffness else None
         notes = provenance(test, arguments.corrections)
@@ -204,11 +192,7 @@ def _written(path: Path, write: Callable[[Path], object], report: Report) -> Pat
 
 
 def _write_table(
-    file: Path,
-    folder: Path,
-    surveys: Sequence[Survey | InputError],
-    taken: Sequence[tuple[str, float]],
-    report: Report,
+    file: Path, folder: Path, surveys: Sequence[Survey | InputError], taken: Sequence[tuple[str, float]], report: Report
 ) -> None:
     """Write the table of a file's surveys, and report which tests it leaves out."""
     from indentation_files.survey import Survey, table
@@ -221,14 +205,6 @@ def _write_table(
             report(f"{found.located(file=file)}; left out of the survey")
     text = table(*zip(*rows, strict=True)).to_csv(index=False, sep="\t", float_format="%.5g")
     _written(folder / f"{file.stem}_survey.txt", lambda place: place.write_text(text, encoding="utf-8"), report)
-
-
-def _report_missing_stiffness(file: Path, tests: Sequence[VendorTest], report: Report) -> None:
-    """Report, in one line, which tests get no column of the stiffness that was asked for."""
-    without = [test.name for test in tests if test.recording.stiffness is None]
-    if without:
-        names = "" if len(without) == len(tests) else f" in {', '.join(without)}"
-        report(f"{file}: holds no stiffness by oscillation{names}; no column is added")
 
 
 def _paths(folder: Path, names: list[str]) -> list[Path]:

@@ -32,7 +32,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.linalg.lapack import dtrtrs
 from scipy.special import ndtr
 
-from indentation_files.baseline import Baselines, Term, correlated, prior_deviation, values
+from indentation_files.baseline import DEVIATIONS, Baselines, Term, correlated, values
 from indentation_files.contact_law import Laws
 
 DISCREPANCIES = (0.001, 0.01, 0.05, 0.2)  # of the law from the body, on trial; shares of its load
@@ -50,12 +50,7 @@ Value = TypeVar("Value")
 class Blocks:
     """Averages over blocks of points, all (n,); time, depth and load run over a unit.
 
-    Attributes
-    ----------
-    count
-        Points in each block.
-    begin, end
-        Times between which a block lies.
+    A block has `count` points, and lies between the times `begin` and `end`.
     """
 
     time: np.ndarray
@@ -80,16 +75,9 @@ class Blocks:
 class ResidualNoise:
     """What the covariance of the residuals is made of.
 
-    Attributes
-    ----------
-    amplitude, correlation_time
-        Correlated noise: standard deviation over that of the white noise of a point, and the time of its correlation.
-    discrepancy
-        delta.
-    start
-        Share of the approach, from its start, that may depart from the baseline freely.
-    of_depth
-        Whether the correlated noise is the depth's, which counts by the slope of the law, and not the load's.
+    Correlated noise has an `amplitude`, its standard deviation over that of the white noise of a point, and a
+    `correlation_time`; it is the load's, or, by the slope of the law, that `of_depth`. `discrepancy` is delta. The
+    share `start` of the approach, from its start, may depart from the baseline freely.
     """
 
     amplitude: float = 0.0
@@ -119,14 +107,8 @@ Setting = tuple[ResidualNoise, tuple[Term, ...]]
 class Evidence:
     """Evidence for contacts (k,) and laws, under every noise and baseline that is asked for.
 
-    Parameters
-    ----------
-    blocks
-        What is explained.
-    guess
-        A contact near the right one, by which deep points are known to be deep.
-    white, depth_noise
-        Standard deviations of the white noise of a point.
+    The `guess` is a contact near the right one, by which deep points of the `blocks` are known to be deep; `white` and
+    `depth_noise` are standard deviations of the white noise of a point.
     """
 
     def __init__(
@@ -230,7 +212,7 @@ class Evidence:
         To the last the normalisation of the coefficients' prior is added.
         """
         if terms not in self._baselines:
-            spread = np.array([prior_deviation(term) for term in terms])
+            spread = np.array([DEVIATIONS[name.split()[0]] for name, _ in terms])
             prior = self.baselines.log_prior(terms) - float(np.log(spread).sum())
             chosen = np.array([1 + self.terms.index(term) for term in terms])
             self._baselines[terms] = chosen, np.diag(spread**-2.0), prior

@@ -26,10 +26,7 @@ LEFT = 1e-4  # of the largest weight, with which a law stays on trial
 class Laws:
     """Laws on trial: exponents and caps of rounded cones, spread over ranges that a search narrows.
 
-    Parameters
-    ----------
-    exponents, caps
-        Ranges (lower, upper) of m, and of c as a share of the way into the body.
+    The ranges (lower, upper) are those of m, and of c as a share of the way into the body.
     """
 
     exponents: tuple[float, float] = (1.0, STEEPEST)

@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 
 from indentation_files.baseline import FOR_CURVE, FOR_OFFSET
 from indentation_files.channel_noise import long_run_noise, noise_of
-from indentation_files.contact_search import begins_in_air, coarse, earlier_touch, rises_steadily, searched
+from indentation_files.contact_search import begins_in_air, earlier_touch, rise_in, rises_steadily, searched
 from indentation_files.departure import departure, faint_rise
 from indentation_files.errors import InputError
 
@@ -42,18 +42,12 @@ _FOUND: dict[str, ContactPoint] = {}  # by checksum: a test is read, surveyed an
 class ContactPoint:
     """A point of contact with its 95 % interval along the depth.
 
-    Attributes
-    ----------
-    index
-        Last recorded point before contact.
-    time, load, depth
-        [s], what the load reads without contact [mN], [nm]; all in the recording's own counting.
-    lower, upper
-        Ends of the interval of the depth [nm].
-    baseline_time, baseline_load : ndarray, shape (n,)
-        What the load reads without contact [mN], over time [s]; empty where contact was given.
-    baseline_terms
-        What the baseline shows beside its offset: ``tilt``, ``drift``, ``sine`` (with ``cosine``), ``transient``.
+    `index` is the last recorded point before contact, `time` [s] and `depth` [nm] are its own, and `load` [mN] is what
+    the load reads without contact; all in the recording's own counting. `lower` and `upper` end the interval of the
+    depth [nm].
+
+    The baseline is what the load reads without contact [mN] over time [s], both (n,); empty where contact was given.
+    Its terms beside the offset are ``tilt``, ``drift``, ``sine`` (with ``cosine``), ``transient``.
     """
 
     index: int
@@ -75,16 +69,11 @@ def first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Contac
     reaches a step from one recorded point to the next at least. Where the load in air contradicts the law's contact,
     that is bounded by the air instead (`indentation_files.departure`).
 
-    Parameters
-    ----------
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm]; with or without approach. Where the load rises from the first
-        point on as by a law, and the tip does not retreat, it is taken to be zero before contact.
+    Time [s], load [mN] and depth [nm], each (n,), may have an approach or none. Where the load rises from the first
+    point on as by a law, and the tip does not retreat, it is taken to be zero before contact.
 
-    Raises
-    ------
-    InputError
-        When fewer than six points lie between the start and the largest load, or load or depth does not change there.
+    Raises `InputError` when fewer than six points lie between the start and the largest load, or load or depth does not
+    change there.
     """
     key = hashlib.sha256(np.concatenate([time, load, depth]).tobytes()).hexdigest()
     if key not in _FOUND:
@@ -96,18 +85,13 @@ def _first_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> Conta
     """Return the point of first touch, sought anew."""
     first, last = loading(load, depth)
     if last + 1 - first < FEWEST:
-        raise InputError(
-            f"only {last + 1 - first} points lie on the way in, too few to find the contact in",
-            remedy="export the approach too, or leave the vendor's contact (--contact file)",
-            place="load_mN",
-        )
+        problem = f"only {last + 1 - first} points lie on the way in, too few to find the contact in"
+        remedy = "export the approach too, or leave the vendor's contact (--contact file)"
+        raise InputError(problem, remedy=remedy, place="load_mN")
     for channel, what, place in ((load, "load", "load_mN"), (depth, "depth", "depth_nm")):
         if not np.ptp(channel[first : last + 1]) > 0.0:
-            raise InputError(
-                f"the {what} does not change on the way to the largest load: there is no contact to find",
-                remedy="check which column it is, or keep all (--contact none)",
-                place=place,
-            )
+            problem = f"the {what} does not change on the way to the largest load: there is no contact to find"
+            raise InputError(problem, remedy="check which column it is, or keep all (--contact none)", place=place)
     retreated = depth[: first + 1].max() - depth[first] > CLEAR * noise_of(depth[first : last + 1])
     instants, force, path = _without_far_air(*(channel[first : last + 1] for channel in (time, load, depth)))
     first = last + 1 - len(path)
@@ -173,44 +157,23 @@ def _without_far_air(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return a loading (n,) less quiet air that is farther from a rough contact than eight times the way in."""
     while True:
-        contact = _rough(time, load, depth)
+        contact, _, _ = rise_in(time, load, depth)
         begin = int(np.argmax(depth > contact - FAR * (depth[-1] - contact)))
         if begin == 0 or len(depth) - begin < FEWEST or np.ptp(load[:begin]) > STILL * np.ptp(load):
             return time, load, depth
         time, load, depth = time[begin:], load[begin:], depth[begin:]
 
 
-def _rough(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> float:
-    """Return the contact [nm] of the coarse fit to a loading (n,); its first depth where a channel never changes."""
-    duration, span, way = (float(np.ptp(channel)) for channel in (time, load, depth))
-    if not (span > 0.0 and way > 0.0):
-        return float(depth[0])
-    _, contact, _ = coarse((time - time[0]) / duration, load / span, (depth - depth[0]) / way, approach=True)
-    return float(depth[0] + way * contact)
-
-
 def touch_at(contact: float, time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> ContactPoint:
     """Return the point of contact at a depth that the user gives; the load there is the median of ten points before.
 
-    Parameters
-    ----------
-    contact
-        Depth of the contact [nm].
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm].
-
-    Raises
-    ------
-    InputError
-        When the tip is not on its way in at that depth.
+    The depth of the `contact` is in nm, and the recording's `time`, `load` and `depth`, each (n,), are in s, mN and nm.
+    Raises `InputError` when the tip is not on its way in at that depth.
     """
     first, last = way_in(load, depth)
     if not depth[first] <= contact < depth[last]:
-        raise InputError(
-            f"contact at {contact:g} nm lies outside the way in, {depth[first]:.4g} to {depth[last]:.4g} nm",
-            remedy="give a depth in the file's own counting",
-            place="contact",
-        )
+        problem = f"contact at {contact:g} nm lies outside the way in, {depth[first]:.4g} to {depth[last]:.4g} nm"
+        raise InputError(problem, remedy="give a depth in the file's own counting", place="contact")
     index, moment = _reached(contact, time, depth, first, last)
     level = float(np.median(load[max(first, index - 9) : index + 1]))
     return ContactPoint(index, moment, level, contact, contact, contact)

@@ -45,16 +45,8 @@ EVERY_NOISE = (ResidualNoise(), *starmap(ResidualNoise, product(AMPLITUDES, CORR
 class Found:
     """What a search found; depth, time and load run over a unit.
 
-    Attributes
-    ----------
-    contact, lower, upper
-        Median of the posterior and ends of its interval of highest density.
-    time, baseline : ndarray, shape (n,)
-        The best baseline.
-    terms
-        Kinds of its terms.
-    in_air
-        Points before contact.
+    The contact is the median of the posterior, between the ends of its interval of highest density. The best `baseline`
+    (n,) over `time` (n,) has terms of the kinds `terms`; `in_air` points lie before contact.
     """
 
     contact: float
@@ -71,14 +63,9 @@ def searched(
 ) -> Found:
     """Search the contact of a loading.
 
-    Parameters
-    ----------
-    time, load, depth : ndarray, shape (n,)
-        From the start of the approach to nearly the largest load; each runs over a unit.
-    noise
-        White noise of load and of depth.
-    approach
-        Whether there is one; without, contact may lie before the first point, where the load is zero.
+    It leads from the start of the approach to nearly the largest load; `time`, `load` and `depth`, each (n,), run over
+    a unit. The `noise` is the white one of load and of depth. Without an `approach` contact may lie before the first
+    point, where the load is zero.
     """
     guess, contact, left = coarse(time, load, depth, approach)
     reach = float(np.ptp(depth))
@@ -94,7 +81,9 @@ def searched(
         contacts = np.linspace(low, high, CONTACTS)
         in_air = int(np.argmax(depth > contact)) if approach else 0
         baselines = replace(baselines, in_air=in_air)
-        near = ContactGuess(contact, *_at(guess, blocks.depth))
+        order = np.argsort(guess[0])
+        loads = np.interp(blocks.depth, guess[0][order], guess[1][order])
+        near = ContactGuess(contact, loads, slopes_of(blocks.depth, loads))
         if step == 0:
             baselines = _with_waves(baselines, blocks, near.loads, noise[0])
         evidence = Evidence(blocks, near, baselines, laws, contacts, *noise)
@@ -156,7 +145,7 @@ def earlier_touch(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> floa
     length = len(load) if rises_steadily(load) else len(load) // 2
     while length >= FEWEST_IN_AIR:
         begin = len(load) - length
-        contact, height, ratio = _rise(time[begin:], load[begin:], depth[begin:])
+        contact, height, ratio = rise_in(time[begin:], load[begin:], depth[begin:])
         before = slice(max(begin - MOST_BEFORE * length, 0), begin)
         if height > MORE * _excursion(time[before], load[before], length) and ratio > max(clearest, CLEARLY):
             clearest, found = ratio, contact
@@ -180,7 +169,7 @@ def _excursion(time: np.ndarray, load: np.ndarray, length: int) -> float:
     return float(np.ptp(means - np.polyval(np.polyfit(clock, means, 1), clock))) if len(means) > 2 else 0.0
 
 
-def _rise(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
+def rise_in(time: np.ndarray, load: np.ndarray, depth: np.ndarray) -> tuple[float, float, float]:
     """Return where a law of contact on a straight line begins in a load (n,), its height, and that over what is left.
 
     The height is zero where the law explains little that the line does not, or the load does not end above its least:
@@ -210,12 +199,8 @@ def coarse(
 ) -> tuple[tuple[np.ndarray, np.ndarray], float, float]:
     """Return depths and loads (n,) of the law, and the contact, that fit the loading best on a straight baseline.
 
-    The last value is the mean square of the residual; without an approach the baseline is zero.
-
-    Parameters
-    ----------
-    time, load, depth, approach
-        As for `searched`.
+    The last value is the mean square of the residual. The arguments `time`, `load`, `depth` and `approach` are as for
+    `searched`; without an approach the baseline is zero.
     """
     blocks = _even(time, load, depth)
     end, start = float(blocks.depth.max()), float(blocks.depth.min())
@@ -243,13 +228,6 @@ def _counting(guess: tuple[np.ndarray, np.ndarray], contact: float, depth: np.nd
     beyond = np.flatnonzero(np.maximum.accumulate(depth) > reached)
     count = max(int(beyond[0]) if len(beyond) else len(depth), min(len(depth), 12))
     return count if np.ptp(depth[:count]) > 0.0 else len(depth)
-
-
-def _at(guess: tuple[np.ndarray, np.ndarray], depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the guessed law's loads and slopes (n,) at depths (n,)."""
-    order = np.argsort(guess[0])
-    loads = np.interp(depth, guess[0][order], guess[1][order])
-    return loads, slopes_of(depth, loads)
 
 
 def _edges(depth: np.ndarray, low: float, high: float, contact: float | None) -> np.ndarray:

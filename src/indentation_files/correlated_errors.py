@@ -35,14 +35,7 @@ LEAST = 1e-300  # in place of zero, where a fit leaves nothing
 class Series:
     """Points in their order, whose errors are correlated with those of their neighbours.
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        y_s.
-    common : ndarray, shape (n,)
-        x_s, whose coefficient all series share.
-    own : ndarray, shape (n, k)
-        T_s, whose coefficients are the series' own.
+    `values` (n,) are y_s, `common` (n,) is x_s, whose coefficient all series share, and `own` (n, k) are T_s.
     """
 
     values: np.ndarray
@@ -52,14 +45,9 @@ class Series:
 
 @dataclass(frozen=True)
 class Shared:
-    """The coefficient that series share.
+    """The coefficient that series share: its estimate, and half its 95 % interval.
 
-    Attributes
-    ----------
-    value, half
-        Estimate, and half its 95 % interval.
-    likelihood
-        Logarithm of the largest likelihood, to compare fits with other terms.
+    The `likelihood` is the logarithm of the largest one, to compare fits with other terms.
     """
 
     value: float

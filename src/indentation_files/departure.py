@@ -45,12 +45,8 @@ ROUNDING = 1e-9  # of the variance of all depths: averages at one depth determin
 class Departure:
     """Depths [nm] between which the load leaves the air.
 
-    Attributes
-    ----------
-    earliest, likely
-        Where laws with the exponents 2.5 and 1.5 begin that stand clear as the load does.
-    clear, loaded
-        From here on the load stands clear, and so far that it is no air.
+    Laws with the exponents 2.5 and 1.5 that stand clear as the load does begin where it is `earliest` and `likely`.
+    From `clear` on the load stands clear, from `loaded` on so far that it is no air.
     """
 
     earliest: float
@@ -107,14 +103,8 @@ def departure(load: np.ndarray, depth: np.ndarray) -> Departure | None:
 def faint_rise(load: np.ndarray, depth: np.ndarray, noise: float, smallest: float = 0.0) -> float | None:
     """Return the least depth [nm] from which the load in air (n,) [mN] may rise as under a sphere; None if it does not.
 
-    Parameters
-    ----------
-    load, depth
-        What was taken for air.
-    noise
-        Of a load [mN], over many points.
-    smallest
-        Rise by which a body is told from the bend of a sensor's line [mN].
+    `load` and `depth` are those of what was taken for air, and `noise` [mN] is that of a load over many points. A
+    body's rise exceeds the `smallest` one [mN], which the bend of a sensor's line may reach.
     """
     size = min(len(load), AIR)
     if size < 2 * FEWEST or np.ptp(depth) == 0.0:

@@ -31,13 +31,7 @@ PROFILE = 0.5 * chdtri(1, 0.05)  # of the log-likelihood, at the ends of a 95 % 
 
 @dataclass(frozen=True)
 class DriftRate:
-    """A rate of drift.
-
-    Attributes
-    ----------
-    rate, lower, upper
-        Estimate and 95 % interval [nm/s].
-    """
+    """A rate of drift [nm/s]: estimate and 95 % interval."""
 
     rate: float
     lower: float
@@ -63,14 +57,8 @@ def fastest_in(
     """Return the fastest drift [nm/s] that a test's holds under load admit, and its upper 95 % limit, or None without.
 
     Under a constant load creep only adds to the depth, so no drift is faster than what is recorded late in a hold: in
-    its second half. What a falling load gives back is allowed for, at most depth / load for each mN.
-
-    Parameters
-    ----------
-    time, load, depth : ndarray, shape (n,)
-        [s], [mN], [nm].
-    segments
-        Segments of the test.
+    its second half. What a falling load gives back is allowed for, at most depth / load for each mN. `time`, `load` and
+    `depth` (n,) are in s, mN and nm, and `segments` are those of the test.
     """
     found = []
     for part in segments:
@@ -85,20 +73,10 @@ def fastest_in(
 
 
 def drift_rate(time: np.ndarray, depth: np.ndarray) -> DriftRate:
-    """Return the rate of drift in a hold.
+    """Return the rate of drift in a hold of times and depths (n,) [s], [nm].
 
-    Where a transient is kept, the interval is the hull of those at all times tau within the 95 % profile of the
-    likelihood.
-
-    Parameters
-    ----------
-    time, depth : ndarray, shape (n,)
-        [s], [nm], of the hold alone; more than 400 points are brought to as many medians.
-
-    Raises
-    ------
-    InputError
-        When the hold has fewer than 20 points.
+    More than 400 points are brought to as many medians. Where a transient is kept, the interval is the hull of those at
+    all times tau within the 95 % profile of the likelihood. Raises `InputError` when the hold has fewer than 20 points.
     """
     if len(time) < FEWEST:
         raise InputError(

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from indentation_files.errors import InputError, located_in
+from indentation_files.recording import check_numbers
 from indentation_files.recording_file import read_table
 
 HEADER = "radius_nm,height_nm"
@@ -19,17 +20,8 @@ SHALLOWEST = 1.0  # nm; what is less deep is in um, or no imprint
 class ImprintProfile:
     """Heights above the surface around, averaged over all directions; negative within the imprint.
 
-    Parameters
-    ----------
-    radius, height : ndarray, shape (n,)
-        [nm], the radius increasing from zero or above.
-    name
-        Such as that of its file.
-
-    Raises
-    ------
-    InputError
-        When there are too few points, one is not a number, radii do not increase, or there is no imprint.
+    `radius` and `height` (n,) are in nm, the radius increasing from zero or above. Raises `InputError` when there are
+    too few points, one is not a number, radii do not increase, or there is no imprint.
     """
 
     radius: np.ndarray
@@ -39,30 +31,17 @@ class ImprintProfile:
     def __post_init__(self) -> None:
         if len(self.radius) < FEWEST:
             raise InputError(f"it has {len(self.radius)} points", remedy=f"give {FEWEST} or more")
-        for key, values in zip(HEADER.split(","), (self.radius, self.height), strict=True):
-            if not np.isfinite(values).all():
-                point = int(np.flatnonzero(~np.isfinite(values))[0]) + 1
-                problem = f"{key} is not a number at point {point}"
-                raise InputError(problem, remedy="remove the point or fill it in", place=key)
+        check_numbers(dict(zip(HEADER.split(","), (self.radius, self.height), strict=True)))
         if self.radius[0] < 0.0 or np.any(np.diff(self.radius) <= 0.0):
             problem = "the radius does not increase from zero or above"
             raise InputError(problem, remedy="sort the points, and average both sides", place="radius_nm")
         if -self.height.min() < SHALLOWEST:
-            raise InputError(
-                f"the deepest point lies at {self.height.min():.3g} nm: no imprint, or heights in um",
-                remedy="give nm, negative below the surface around",
-                place="height_nm",
-            )
+            problem = f"the deepest point lies at {self.height.min():.3g} nm: no imprint, or heights in um"
+            raise InputError(problem, remedy="give nm, negative below the surface around", place="height_nm")
 
 
 def read_imprint(path: str | Path) -> ImprintProfile:
-    """Read a CSV with the header `HEADER`.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or has another header, a line is no numbers, or they are no imprint.
-    """
+    """Read a CSV with the header `HEADER`; raises `InputError` when it is missing, has another, or holds no imprint."""
     path = Path(path)
     (radius, height), _ = read_table(path, HEADER)
     with located_in(path):

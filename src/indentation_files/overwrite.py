@@ -13,10 +13,7 @@ from indentation_files.errors import InputError
 def checked_output(source: Path, output: Path) -> Path:
     """Return `output`, which is not the file `source`, under whatever name.
 
-    Raises
-    ------
-    InputError
-        When it is: what `source` holds, and a curve does not, would be lost.
+    Raises `InputError` when it is: what `source` holds, and a curve does not, would be lost.
     """
     if output.exists() and output.samefile(source):
         raise InputError("the output would replace the file that is read", remedy="name another output", file=source)
@@ -24,13 +21,7 @@ def checked_output(source: Path, output: Path) -> Path:
 
 
 def written_beside(path: Path, write: Callable[[Path], object]) -> Path:
-    """Write a file, and return where: at `path`, or, where a file with another content exists there, as ``NAME_2``.
-
-    Parameters
-    ----------
-    write
-        Writes it to a place.
-    """
+    """Let `write` make a file at a place; return it: `path`, or ``NAME_2`` where that exists with another content."""
     made = path.with_name(f".{path.name}.new{path.suffix}")
     try:
         write(made)

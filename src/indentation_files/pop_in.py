@@ -20,15 +20,7 @@ FIRST = 0.003  # of the largest load, below which the depth grows fast by itself
 
 @dataclass(frozen=True)
 class PopIn:
-    """A jump of the depth.
-
-    Attributes
-    ----------
-    load
-        At which it occurs [mN].
-    jump
-        By how much the depth grows beyond what the loading around it makes it grow [nm].
-    """
+    """A jump of the depth at a load [mN]: growth beyond what the loading around it makes it grow [nm]."""
 
     load: float
     jump: float

@@ -6,7 +6,7 @@ import io
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -69,8 +69,8 @@ class Recording:
     @property
     def test_number(self) -> int | None:
         """Its place in the order in which tests were made, by a note ``test_number: N``; None where none says so."""
-        found = [match for match in map(TEST_NUMBER.match, self.notes) if match]
-        return int(found[0].group(1)) if found else None
+        found = next(filter(None, map(TEST_NUMBER.match, self.notes)), None)
+        return int(found[1]) if found else None
 
     @property
     def synthetic(self) -> bool:
@@ -88,13 +88,10 @@ class Recording:
         What comes before the clock's zero without load is the approach, and is left out. A recording that begins under
         load (its first points cut off, or taken after the start) is extended back to zero load and depth at the rate of
         its first loading, after a hold at a preload if there is one. The clock's own zero is kept when loading began
-        within one sampling interval of it, and no point under load is there. Where a displacement is prescribed,
-        that is the `drive` (n,) by which all this is decided, in place of the load.
+        within one sampling interval of it, and no point under load is there. Where a displacement is prescribed, that
+        is the `drive` (n,) by which all this is decided, in place of the load.
 
-        Raises
-        ------
-        InputError
-            When the recording begins under load that does not rise.
+        Raises `InputError` when the recording begins under load that does not rise.
         """
         drive = self.load if drive is None else drive
         peak = int(np.argmax(drive))
@@ -112,11 +109,8 @@ class Recording:
             rise = slice(first, last + 1)
             rate = np.polyfit(self.time[rise] - begin, drive[rise], 1)[0] if last else 0.0
             if rate <= 0:
-                raise InputError(
-                    f"the recording begins under {self.load[0]:.4g} mN that does not rise",
-                    remedy="export the test from contact on",
-                    place="load_mN",
-                )
+                problem = f"the recording begins under {self.load[0]:.4g} mN that does not rise"
+                raise InputError(problem, remedy="export the test from contact on", place="load_mN")
             begin -= drive[0] / rate
         if abs(begin) <= interval and not (loaded and self.time[0] <= 0.0):
             begin = 0.0
@@ -129,10 +123,7 @@ class Recording:
     def write(self, path: str | Path) -> None:
         """Write the recording as CSV; the file appears whole or not at all.
 
-        Raises
-        ------
-        InputError
-            When something exists there that is no file.
+        Raises `InputError` when something exists there that is no file.
         """
         path = Path(path)
         if path.exists() and not path.is_file():
@@ -144,7 +135,8 @@ class Recording:
         header, measured = (HEADER, []) if self.stiffness is None else (WITH_STIFFNESS, [self.stiffness])
         channels = [self.time, self.load, self.depth, *measured]
         text.write(header + "\n")
-        digits = [DIGITS if _distinct(self.time) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
+        rounded = [float(f"{instant:.{DIGITS}g}") for instant in self.time]
+        digits = [DIGITS if np.all(np.diff(rounded) > 0.0) else MOST_DIGITS] + [DIGITS] * (len(channels) - 1)
         np.savetxt(text, np.column_stack(channels), fmt=[f"%.{count}g" for count in digits], delimiter=",")
         with written_whole(path) as partial:
             partial.write_text(text.getvalue(), encoding="utf-8")
@@ -183,19 +175,11 @@ def spaced(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: int = 1) -> None:
-    """Check that points (n,) are numbers and their times increase; the number of the `first` one is for messages.
+    """Check that points (n,) are numbers and their times increase; raises `InputError` when one is not, or does not.
 
-    Raises
-    ------
-    InputError
-        When one is not, or does not.
+    The points are `time`, `load` and `depth`; the number of the `first` one is for messages.
     """
-    for key, values in (("time_s", time), ("load_mN", load), ("depth_nm", depth)):
-        if not np.all(np.isfinite(values)):
-            row = first + int(np.flatnonzero(~np.isfinite(values))[0])
-            raise InputError(
-                f"{key} is not a number at point {row}", remedy="remove the point or fill it in", place=key
-            )
+    check_numbers({"time_s": time, "load_mN": load, "depth_nm": depth}, first)
     steps = np.diff(time)
     if np.any(steps <= 0):
         row = int(np.flatnonzero(steps <= 0)[0])
@@ -207,9 +191,13 @@ def check_points(time: np.ndarray, load: np.ndarray, depth: np.ndarray, first: i
         )
 
 
-def _distinct(time: np.ndarray) -> bool:
-    """Return whether times (n,) [s] still increase when they are written to the usual digits."""
-    return bool(np.all(np.diff([float(f"{instant:.{DIGITS}g}") for instant in time]) > 0.0))
+def check_numbers(columns: Mapping[str, np.ndarray], first: int = 1) -> None:
+    """Raise `InputError` where a column (n,), by its heading, is no finite number at a point, counted from `first`."""
+    for key, values in columns.items():
+        if not np.all(np.isfinite(values)):
+            row = first + int(np.flatnonzero(~np.isfinite(values))[0])
+            problem = f"{key} is not a number at point {row}"
+            raise InputError(problem, remedy="remove the point or fill it in", place=key)
 
 
 def copies(recordings: Iterable[Recording]) -> list[tuple[Recording, Recording]]:
@@ -245,12 +233,12 @@ def _agree_as_written(values: np.ndarray, others: np.ndarray) -> bool:
     span, apart = float(np.ptp(values)), float(np.abs(values - others).max())
     if apart > ROUNDED * span:
         return False
-    return apart <= 0.5 * max(_last_digit(values), _last_digit(others)) + 1e-9 * span
+    return apart <= 0.5 * max(last_digit(values), last_digit(others)) + 1e-9 * span
 
 
-def _last_digit(values: np.ndarray) -> float:
+def last_digit(values: np.ndarray) -> float:
     """Return the largest power of ten of which all of some values (n,) are multiples; zero where none is."""
-    for step in 10.0 ** np.arange(3, -10, -1):
+    for step in 10.0 ** np.arange(6, -13, -1):
         counts = values / step
         if (np.abs(counts - np.round(counts)) <= 1e-6 + 1e-15 * np.abs(counts)).all():
             return float(step)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from indentation_files.errors import InputError
+from indentation_files.errors import InputError, located_in
 from indentation_files.recording import (
     HEADER,
     MOST,
@@ -34,7 +34,7 @@ from indentation_files.regular_file import refuse_special
 HISTORIES = {"load": "time_s,load_mN", "displacement": "time_s,displacement_nm"}  # headers of what is prescribed alone
 BLOCK = 1 << 22  # bytes that are read at once
 LONGEST = 1 << 20  # letters of a line
-LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster than numpy
+LARGE = 20_000  # bytes, from which pyarrow, which takes longer to begin, reads faster
 
 
 def recording_files(folder: Path) -> list[Path]:
@@ -69,11 +69,8 @@ def holds_synthetic(folder: Path) -> bool:
 def read_recording(path: str | Path) -> Recording:
     """Read a recording CSV and check it; its stiffness may lie in a folder beside (`Recording.write_apart`).
 
-    Raises
-    ------
-    InputError
-        When the file is missing, empty, has another header, text, gaps or times that do not increase, or the stiffness
-        beside it is that of other times.
+    Raises `InputError` when the file is missing, empty, has another header, text, gaps or times that do not increase,
+    or the stiffness beside it is that of other times.
     """
     path = Path(path)
     return with_stiffness_beside(_recording_at(path), path)
@@ -100,45 +97,35 @@ def read_history(path: Path, control: str) -> Recording:
     _, _, heading = _begun(lines)
     if heading not in HISTORIES.values():
         return read_recording(path)
-    if heading != HISTORIES[control]:
-        raise InputError(
-            f"header is {heading!r}, but the {control} is prescribed",
-            remedy=f"give {HISTORIES[control]!r}, or a recording",
-            file=path,
-        )
-    time, drive = _columns(lines, heading, path)
-    load, depth = (drive, np.zeros_like(drive)) if control == "load" else (np.zeros_like(drive), drive)
-    try:
+    with located_in(path):
+        if heading != HISTORIES[control]:
+            problem = f"header is {heading!r}, but the {control} is prescribed"
+            raise InputError(problem, remedy=f"give {HISTORIES[control]!r}, or a recording")
+        time, drive = _columns(lines, heading)
+        load, depth = (drive, np.zeros_like(drive)) if control == "load" else (np.zeros_like(drive), drive)
         return Recording(time, load, depth, path.stem)
-    except InputError as error:
-        raise error.located(file=path) from None
 
 
 def read_table(path: Path, header: str) -> tuple[np.ndarray, list[str]]:
     """Return the columns (k, n) of a CSV that has a `header`, and all of its comments.
 
-    Raises
-    ------
-    InputError
-        When the file is missing, has another header, or a line is no such numbers.
+    Raises `InputError` when the file is missing, has another header, or a line is no such numbers.
     """
     lines = _numbered(path)
     notes, number, found = _begun(lines)
-    if found != header:
-        raise InputError(
-            f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}",
-            remedy="name the columns like that, in these units, separated by commas",
-            file=path,
-            place=f"line {number}" if found else None,
-        )
-    return _columns(lines, header, path, notes), notes
+    with located_in(path):
+        if found != header:
+            problem = f"header is {found[:60]!r}, expected {header!r}" if found else f"is empty, expected {header!r}"
+            remedy = "name the columns like that, in these units, separated by commas"
+            raise InputError(problem, remedy=remedy, place=f"line {number}" if found else None)
+        return _columns(lines, header, notes), notes
 
 
 def _recording_at(path: Path) -> Recording:
     """Return the recording in one CSV, checked."""
-    with _errors_of_reading(path):
+    with errors_of_reading(path):
         large = path.stat().st_size > LARGE
-    return _checked(_numbered(path) if large else _numbered_at_once(path), path, large)
+    return _checked(_numbered(path), path, large)
 
 
 def recording_in(lines: Sequence[str], path: Path) -> Recording:
@@ -150,34 +137,24 @@ def recording_in(lines: Sequence[str], path: Path) -> Recording:
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     """Yield the lines of a text file with their numbers; raises `InputError`."""
     refuse_special(path)
-    with _errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
+    with errors_of_reading(path), path.open(encoding="utf-8-sig") as stream:
         for number, line in enumerate(iter(lambda: stream.readline(LONGEST), ""), 1):
             if len(line) == LONGEST:
-                remedy = "export or copy the test again"
-                raise InputError(
-                    "the line is longer than that of any table", remedy=remedy, file=path, place=f"line {number}"
-                )
+                problem, remedy = "the line is longer than that of any table", "export or copy the test again"
+                raise InputError(problem, remedy=remedy, file=path, place=f"line {number}")
             yield number, line
 
 
-def _numbered_at_once(path: Path) -> Iterator[tuple[int, str]]:
-    """Return the lines of a small text file with their numbers; raises `InputError`."""
-    refuse_special(path)
-    with _errors_of_reading(path):
-        return enumerate(path.read_text(encoding="utf-8-sig").split("\n"), 1)
-
-
 @contextmanager
-def _errors_of_reading(path: Path) -> Iterator[None]:
-    """Turn what reading a text file raises into `InputError`."""
+def errors_of_reading(path: Path) -> Iterator[None]:
+    """Turn what reading a file raises into `InputError`."""
     try:
         yield
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
     except UnicodeDecodeError as error:
-        raise InputError(
-            "is not text in UTF-8", remedy="save it as UTF-8, or convert vendor files with `palpate read`", file=path
-        ) from error
+        remedy = "save it as UTF-8, or convert vendor files with `palpate read`"
+        raise InputError("is not text in UTF-8", remedy=remedy, file=path) from error
 
 
 def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
@@ -191,8 +168,11 @@ def _begun(lines: Iterable[tuple[int, str]]) -> tuple[list[str], int, str]:
     return notes, 0, ""
 
 
-def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: list[str] | None = None) -> np.ndarray:
-    """Return the columns (k, n) of numbers in numbered lines, less comments; raises `InputError` on any other line."""
+def _columns(lines: Iterable[tuple[int, str]], header: str, notes: list[str] | None = None) -> np.ndarray:
+    """Return the columns (k, n) of numbers in numbered lines; comments among them are added to the `notes`.
+
+    Raises `InputError` on any other line.
+    """
     numbers, names = array("d"), header.split(",")
     for number, line in lines:
         if line.startswith("#"):
@@ -201,41 +181,23 @@ def _columns(lines: Iterable[tuple[int, str]], header: str, path: Path, notes: l
             continue
         if not line.strip():
             continue
-        cells = line.split(",")
         try:
-            row = [float(cell) for cell in cells] if len(cells) == len(names) else []
+            row = [float(cell) for cell in line.split(",")]
         except ValueError:
             row = []
-        if not row:
-            raise InputError(
-                f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers",
-                remedy=f"write {', '.join(names[:-1])} and {names[-1]} with decimal points",
-                file=path,
-                place=f"line {number}",
-            )
+        if len(row) != len(names):
+            problem = f"{line.strip()[:40]!r} is not {('two', 'three', 'four')[len(names) - 2]} numbers"
+            remedy = f"write {', '.join(names[:-1])} and {names[-1]} with decimal points"
+            raise InputError(problem, remedy=remedy, place=f"line {number}")
         numbers.extend(row)
     return np.frombuffer(numbers, dtype=float).reshape(-1, len(names)).T.copy()
-
-
-def _at_once(lines: Iterable[tuple[int, str]], width: int) -> list[np.ndarray] | None:
-    """Return the columns (n,) of numbers in the lines of a small file; nothing where they hold anything else."""
-    rows = [line for _, line in lines if line]
-    try:
-        found = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2) if rows else np.empty((0, 0))
-    except ValueError:
-        return None
-    return list(found.T.copy()) if found.shape[1] == width else None
 
 
 def _by_columns(path: Path, header: int, width: int) -> list[np.ndarray] | None:
     """Return the columns (n,) of numbers below the header of a large file; nothing where it holds anything else.
 
-    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`).
-
-    Raises
-    ------
-    InputError
-        When a time, load or depth is not a number, or a time does not increase; points that are not kept count as well.
+    Of more than `MOST` points every second, third, ... is kept, and the last (`recording.spaced`). Raises `InputError`
+    when a time, load or depth is not a number, or a time does not increase; points that are not kept count as well.
     """
     import pyarrow as pa
     from pyarrow import csv
@@ -268,27 +230,16 @@ def _line_count(path: Path) -> int:
 def _checked(lines: Iterator[tuple[int, str]], path: Path, large: bool) -> Recording:
     """Return the recording that numbered lines hold; raises `InputError` as `read_recording` does."""
     notes, number, header = _begun(lines)
-    if not header:
-        raise InputError("the recording is empty", remedy="export the test again", file=path)
-    if re.split(r"[;\t]", header) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
-        raise InputError(
-            "the columns are not separated by commas",
-            remedy="separate them by commas, or let `palpate read --columns` write the file anew",
-            file=path,
-            place=f"line {number}",
-        )
-    if header not in (HEADER, WITH_STIFFNESS):
-        raise InputError(
-            f"header is {header[:60]!r}, expected {HEADER!r}",
-            remedy="rename the columns, with these units",
-            file=path,
-            place=f"line {number}",
-        )
-    width = len(header.split(","))
-    rest = lines if large else list(lines)
-    try:
-        found = _by_columns(path, number, width) if large else _at_once(rest, width)
-        time, load, depth, *stiffness = _columns(rest, header, path, notes) if found is None else found
+    place, width = f"line {number}", len(header.split(","))
+    with located_in(path):
+        if not header:
+            raise InputError("the recording is empty", remedy="export the test again")
+        if re.split(r"[;\t]", header) in (HEADER.split(","), WITH_STIFFNESS.split(",")):
+            remedy = "separate them by commas, or let `palpate read --columns` write the file anew"
+            raise InputError("the columns are not separated by commas", remedy=remedy, place=place)
+        if header not in (HEADER, WITH_STIFFNESS):
+            problem = f"header is {header[:60]!r}, expected {HEADER!r}"
+            raise InputError(problem, remedy="rename the columns, with these units", place=place)
+        found = _by_columns(path, number, width) if large else None
+        time, load, depth, *stiffness = _columns(lines, header, notes) if found is None else found
         return Recording(time, load, depth, path.stem, tuple(notes), stiffness[0] if stiffness else None)
-    except InputError as error:
-        raise error.located(file=path) from None

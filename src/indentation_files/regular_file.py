@@ -10,12 +10,7 @@ from indentation_files.errors import InputError
 
 
 def refuse_special(path: str | Path) -> None:
-    """Refuse what is there but is no regular file, such as a pipe, on which reading may wait for ever.
-
-    Raises
-    ------
-    InputError
-    """
+    """Raise `InputError` where there is no regular file but, say, a pipe, on which reading may wait for ever."""
     try:
         mode = os.stat(path).st_mode
     except OSError:

@@ -41,15 +41,7 @@ NORMAL_95 = float(ndtri(0.975))
 
 @dataclass(frozen=True)
 class ReversalLag:
-    """A lag of the depth behind the load.
-
-    Attributes
-    ----------
-    lag, lower, upper
-        Estimate and 95 % interval [s].
-    corners
-        Number of corners of load histories that it rests on.
-    """
+    """A lag of the depth behind the load [s]: estimate, 95 % interval, and on how many corners it rests."""
 
     lag: float
     lower: float
@@ -137,8 +129,6 @@ def _within(corners: Sequence[tuple[float, float, Recording]], width: float) -> 
 def _estimate(tests: Sequence[list[_Corner]]) -> tuple[float, float, int] | None:
     """Return the lag, half its 95 % interval, and the number of corners."""
     tests = [test for test in tests if test]
-    if not tests:
-        return None
     known = [found for test in tests if (found := _of_test(test))]
     if not known:
         return None

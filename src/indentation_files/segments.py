@@ -31,16 +31,10 @@ FEWEST = 5  # intervals of a piece
 class Segment:
     """A part of a test.
 
-    Parameters
-    ----------
-    kind
-        ``approach`` (all before contact), ``loading`` (above any earlier load), ``hold`` (creep), ``unloading``,
-        ``reloading`` (below an earlier load) or ``drift_hold`` (a hold at a low load that is not the top of a cycle; at
-        one that is reached for the first time the body creeps, and it has to be a preload of a few per cent).
-    first, last
-        Indices of its first and last point; neighbours share a point.
-    start, end
-        Times of these [s].
+    Its kind is ``approach`` (all before contact), ``loading`` (above any earlier load), ``hold`` (creep),
+    ``unloading``, ``reloading`` (below an earlier load) or ``drift_hold`` (a hold at a low load that is not the top of
+    a cycle; at one that is reached for the first time the body creeps, and it has to be a preload of a few per cent).
+    `first` and `last` are the indices of its end points, which neighbours share, `start` and `end` their times [s].
     """
 
     kind: str
@@ -60,19 +54,10 @@ class Segment:
 
 
 def segments(time: np.ndarray, load: np.ndarray, contact: int = 0) -> list[Segment]:
-    """Return the segments of a test, in the order of time, without gaps.
+    """Return the segments of a test, in the order of time, without gaps, of times and loads (n,) [s], [mN].
 
-    Parameters
-    ----------
-    time, load : ndarray, shape (n,)
-        [s] increasing, [mN].
-    contact
-        Index of the last point before contact; what lies before is the approach.
-
-    Raises
-    ------
-    InputError
-        When fewer than ten points follow contact, or none of them bears load.
+    What lies before `contact`, the index of the last point before it, is the approach. Raises `InputError` when fewer
+    than ten points follow contact, or none of them bears load.
     """
     if len(time) - contact < 2 * FEWEST:
         raise InputError(

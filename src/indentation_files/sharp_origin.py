@@ -16,18 +16,14 @@ def sharp_origin(load: np.ndarray, depth: np.ndarray) -> tuple[float, float, flo
     r"""Return the depth where a sharp tip's law :math:`P = C (h - h_0)^2` begins, and its 95 % interval [nm].
 
     Any body without a length or a time obeys it under a cone or pyramid while the load grows. Creep, as in every
-    polymer, moves the origin to smaller depths, further than the interval allows.
+    polymer, moves the origin to smaller depths, further than the interval allows. Load and depth (n,) are in mN and nm,
+    the frame's deflection taken off.
 
     The points are those that reach each of 400 levels of load first (so holds and reloading count little), above a
     tenth of the largest load. Their errors are correlated, by an unknown amount
     (`indentation_files.correlated_errors`). The interval covers that, and how the origin moves when the fit begins at
     5, 20 or 40 % instead: a blunt tip, a film or a yielding frame shows there, which the residuals alone do not show.
     All three are NaN where fewer than four points rise to the largest load.
-
-    Parameters
-    ----------
-    load, depth : ndarray, shape (n,)
-        [mN], [nm]; the frame's deflection taken off.
     """
     largest = np.maximum.accumulate(load)
     origins = {}

@@ -19,20 +19,11 @@ from indentation_files.sharp_origin import sharp_origin
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """A recording with what was found in it.
+    """A recording, whole with its approach, and what was found in it.
 
-    Attributes
-    ----------
-    recording
-        Whole, with its approach.
-    contact
-        First touch.
-    origin
-        Depth where a sharp tip's law begins, with its interval [nm].
-    parts
-        Segments in the order of time; the approach is what surely lies before contact.
-    drift
-        None without a drift hold.
+    The `contact` is that of first touch. `origin` is the depth where a sharp tip's law begins, with its interval [nm].
+    `parts` are segments in the order of time; the approach is what surely lies before contact. `drift` is None without
+    a drift hold.
     """
 
     recording: Recording
@@ -80,10 +71,7 @@ def survey_each(recordings: Sequence[Recording]) -> list[Survey | InputError]:
 def table(surveys: Iterable[Survey], taken: Iterable[tuple[str, float]]) -> pd.DataFrame:
     """Return one row a recording: contact, origin and drift with intervals, and the segments' durations.
 
-    Parameters
-    ----------
-    taken
-        For each recording whose decision its contact is, and its depth [nm].
+    For each of them, `taken` says whose decision its contact is, and its depth [nm].
     """
     rows = []
     for item, (decider, depth) in zip(surveys, taken, strict=True):

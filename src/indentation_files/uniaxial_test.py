@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from indentation_files.errors import InputError, located_in
+from indentation_files.recording import check_numbers
 from indentation_files.recording_file import read_table
 
 HEADER = "time_s,strain,stress_GPa"
@@ -24,17 +25,8 @@ HOLDS = 0.2  # share of the time by which the stress must be held longer than th
 class UniaxialTest:
     """Time, logarithmic strain and true stress of one test in tension or compression; tension is positive.
 
-    Parameters
-    ----------
-    time, strain, stress : ndarray, shape (n,)
-        [s] increasing, [-], [GPa].
-    name
-        Such as that of its file.
-
-    Raises
-    ------
-    InputError
-        When there are too few points, one is not a number, or a time does not increase.
+    `time` [s] increases, `strain` is a ratio, `stress` is in GPa, each (n,). Raises `InputError` when there are too few
+    points, one is not a number, or a time does not increase.
     """
 
     time: np.ndarray
@@ -45,19 +37,12 @@ class UniaxialTest:
     def __post_init__(self) -> None:
         if len(self.time) < FEWEST:
             raise InputError(f"it has {len(self.time)} points", remedy=f"give {FEWEST} or more")
-        for key, values in zip(HEADER.split(","), (self.time, self.strain, self.stress), strict=True):
-            if not np.isfinite(values).all():
-                point = int(np.flatnonzero(~np.isfinite(values))[0]) + 1
-                problem = f"{key} is not a number at point {point}"
-                raise InputError(problem, remedy="remove the point or fill it in", place=key)
+        check_numbers(dict(zip(HEADER.split(","), (self.time, self.strain, self.stress), strict=True)))
         steps = np.diff(self.time)
         if np.any(steps <= 0.0):
             point = int(np.flatnonzero(steps <= 0.0)[0]) + 1
-            raise InputError(
-                f"time does not increase from point {point} ({self.time[point - 1]:g} s) to point {point + 1}",
-                remedy="sort the points and drop repeated times",
-                place="time_s",
-            )
+            problem = f"time does not increase from point {point} ({self.time[point - 1]:g} s) to point {point + 1}"
+            raise InputError(problem, remedy="sort the points and drop repeated times", place="time_s")
 
     @property
     def held_longer(self) -> str:
@@ -76,13 +61,9 @@ def _time_held(time: np.ndarray, values: np.ndarray) -> float:
 def read_uniaxial(path: str | Path) -> UniaxialTest:
     """Read a CSV with the header `HEADER`; of more than `MOST` points as many are kept, evenly.
 
-    A comment ``# engineering`` says that strain and stress are nominal; they are converted by ln(1 + strain) and
-    stress (1 + strain), for a body that keeps its volume. ``# compression`` says that both are positive in compression.
-
-    Raises
-    ------
-    InputError
-        When the file is missing or has another header, a line is no numbers, or they are no test.
+    A comment ``# engineering`` says that strain and stress are nominal; they are converted by ln(1 + strain) and stress
+    (1 + strain), for a body that keeps its volume. ``# compression`` says that both are positive in compression. Raises
+    `InputError` when the file is missing or has another header, a line is no numbers, or they are no test.
     """
     path = Path(path)
     (time, strain, stress), notes = read_table(path, HEADER)

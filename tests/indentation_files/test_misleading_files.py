@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from indentation_files.contact_interval import interval_of
-from indentation_files.contact_of_replicates import disagreeing
+from indentation_files.contact_interval import disagreeing, interval_of
 from indentation_files.readers import ColumnMap, Unreadable, VendorTest, read_each, read_vendor_file
 from indentation_files.readers.tagged import AVERAGED, averages
 from indentation_files.recording import Recording

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from indentation_files.discovery import discover
-from indentation_files.errors import InputError, part_of
+from indentation_files.errors import InputError, located_in, part_of
 from indentation_files.readers.column_map import ColumnMap, by_headings
 from indentation_files.readers.columns import holds_columns, missing_channel, read_columns
 from indentation_files.readers.left_out import nothing_found
@@ -21,7 +21,6 @@ from indentation_files.readers.units import CHANNELS, mended
 from indentation_files.readers.unknown import no_table, unknown
 from indentation_files.readers.vendor import (
     CORRECTIONS,
-    PLACES,
     Corrections,
     Reader,
     Unreadable,
@@ -33,7 +32,9 @@ from indentation_files.readers.vendor import (
     unless_all_fail,
 )
 from indentation_files.readers.zero import Contact, zeroed_each
+from indentation_files.recording_file import errors_of_reading
 from indentation_files.regular_file import refuse_special
+from indentation_files.sentences import PLACES
 
 LARGEST = 1 << 29  # bytes of a file; the columns of a text take about as much memory
 READERS: dict[str, Reader] = {reader.key: reader for reader in discover(__name__, __path__, "READER")}
@@ -51,7 +52,6 @@ __all__ = [
     "read_source",
     "read_vendor_file",
     "select",
-    "sound",
     "zeroed_each",
 ]
 
@@ -98,49 +98,32 @@ def read_each(
 ) -> list[VendorTest | Unreadable]:
     """Read all tests of a vendor's file as `read_vendor_file` does, and say what is wrong with those that cannot be.
 
-    Parameters
-    ----------
-    path, sha256, corrections, contact, columns
-        See `read_vendor_file`.
-    columns_required
-        Whether a file of a known format that lacks the columns is refused: they are meant for this very file.
-
-    Raises
-    ------
-    InputError
-        When no test can be read.
+    The arguments `path`, `sha256`, `corrections`, `contact` and `columns` are as there. `columns_required` refuses a
+    file of a known format that lacks the columns: they are meant for this very file. Raises `InputError` when no test
+    can be read.
     """
     path = Path(path)
     refuse_special(path)
-    try:
+    with located_in(path), errors_of_reading(path):
         if path.stat().st_size > LARGEST:
-            raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once", file=path)
+            raise InputError(f"is larger than {LARGEST >> 20} MB", remedy="export fewer tests at once")
         with path.open("rb") as stream:
             if sha256 is not None and hashlib.file_digest(stream, "sha256").hexdigest() != sha256:
-                problem = "is not the file that the study names (sha256 differs)"
-                raise InputError(problem, remedy="fetch it again", file=path)
+                raise InputError("is not the file that the study names (sha256 differs)", remedy="fetch it again")
             source = Source(path, stream)
             if all(block.isspace() for block in source.blocks()):
-                raise InputError("is empty", remedy="export or copy it again", file=path)
+                raise InputError("is empty", remedy="export or copy it again")
             with no_less_hidden(source):
                 tests = [_printable(test) for test in _whole(source, corrections, columns, columns_required)]
                 aside = [set_aside(source, test) for test in zeroed_each(path, averages(tests), contact)]
                 return [*unless_all_fail(remarked(source, aside)), *not_shown(source)]
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})", remedy="check the path", file=path) from error
-    except InputError as error:
-        raise error.located(file=path) from None
 
 
 def locate(named: str, data: str | None) -> str:
     """Return the vendor's file: `data`, or what lies below the folder `data` under the path that a study gives.
 
-    Where nothing lies under the whole path, the name alone counts.
-
-    Raises
-    ------
-    InputError
-        When several files below the folder answer to the path or to the name.
+    Where nothing lies under the whole path, the name alone counts. Raises `InputError` when several files below the
+    folder answer to the path or to the name.
     """
     if data is None or not named or not Path(data).is_dir():
         return data or named
@@ -150,21 +133,15 @@ def locate(named: str, data: str | None) -> str:
     if Path(data) / path in found:
         return str(Path(data) / path)
     if len(found) > 1:
-        raise InputError(
-            f"{named} may be {' or '.join(str(file) for file in found[:PLACES])}",
-            remedy="give its path below the folder of data",
-            place="source.file",
-        )
+        problem = f"{named} may be {' or '.join(str(file) for file in found[:PLACES])}"
+        raise InputError(problem, remedy="give its path below the folder of data", place="source.file")
     return str(found[0] if found else Path(data) / path.name)
 
 
 def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
     """Read the tests of each condition from a study's section ``source``.
 
-    Raises
-    ------
-    InputError
-        When a test is missing, cannot be read or is named twice, or the file lacks the columns that are given.
+    Raises `InputError` when a test is missing, cannot be read or is named twice, or the file lacks the columns given.
     """
     with part_of("source"):
         columns = ColumnMap.stated(source.get("columns"), source.get("units"))
@@ -181,11 +158,8 @@ def read_source(source: Mapping[str, Any]) -> dict[str, list[VendorTest]]:
             place = f"source.conditions.{condition}"
             test = select(tests, str(name), source["file"], place)
             if test.name in owners:
-                raise InputError(
-                    f"{name} is test {test.name!r}, which counts in {owners[test.name]} already",
-                    remedy="name each test once",
-                    place=place,
-                )
+                problem = f"{name} is test {test.name!r}, which counts in {owners[test.name]} already"
+                raise InputError(problem, remedy="name each test once", place=place)
             owners[test.name] = condition
             found[condition].append(test)
     return found
@@ -197,35 +171,30 @@ def _whole(
     """Return all tests with their approach, by the map of columns or by the reader that knows the content."""
     reader = next((reader for reader in READERS.values() if reader.matches(source)), None)
     if columns is not None and not no_table(source) and (reader is None or holds_columns(source, columns)):
-        refuse_corrections(source, corrections)
+        refuse_corrections(corrections)
         return read_columns(source, columns)
     if reader is not None:
         if columns is not None and columns_required:
-            raise _without_columns(source, columns, reader)
+            if not no_table(source):
+                raise nothing_found(tables_of(source), columns).located(place="source.columns")
+            problem = f"the file holds no table, and is read as {reader.title}"
+            raise InputError(problem, remedy="leave columns and units off", place="source.columns")
         message = () if columns is None else (f"lacks the columns named, and is read as {reader.title}",)
-        return [_with(message, test) for test in reader.read(source, corrections)]
+        if not reader.corrects:
+            refuse_corrections(corrections)
+        tests = reader.read(source, corrections) if reader.corrects else reader.read(source)
+        return [_with(message, test) for test in tests]
     named = None if no_table(source) else by_headings(tables_of(source))
     if named is not None:
-        refuse_corrections(source, corrections)
+        refuse_corrections(corrections)
         shown = ", ".join(f"{key} from {name!r}" for key, name in named.names.items())
         return [_with((f"read by its headings: {shown}",), test) for test in read_columns(source, named)]
     missing = None if no_table(source) else missing_channel(source)
     if missing:
         others = " and ".join(key for key in CHANNELS if key != missing)
-        raise InputError(
-            f"its table names {others}, but no column that palpate knows as {missing}",
-            remedy=f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too",
-            file=source.path,
-        )
+        remedy = f"name that column (--columns time=...,load=...,depth=...), or export the {missing} too"
+        raise InputError(f"its table names {others}, but no column that palpate knows as {missing}", remedy=remedy)
     raise unknown(source)
-
-
-def _without_columns(source: Source, columns: ColumnMap, reader: Reader) -> InputError:
-    """Return the error of a file of a known format that lacks the columns given for it."""
-    if no_table(source):
-        problem, remedy = f"the file holds no table, and is read as {reader.title}", "leave columns and units off"
-        return InputError(problem, remedy=remedy, place="source.columns")
-    return nothing_found(tables_of(source), columns).located(place="source.columns")
 
 
 def _with(messages: tuple[str, ...], test: VendorTest | Unreadable) -> VendorTest | Unreadable:
@@ -251,25 +220,13 @@ def select(
 ) -> VendorTest:
     """Return the test called `wanted`, or the one of that number: its own as in ``Test 010``, or counted from 1.
 
-    Parameters
-    ----------
-    tests
-        Tests of the file.
-    wanted
-        Name or number.
-    path, place
-        The file, and where the choice was made, for messages.
-
-    Raises
-    ------
-    InputError
-        When there is none, or it cannot be read.
+    `tests` are those of the file `path`, and `place` is where the choice was made, for messages. Raises `InputError`
+    when there is none, or it cannot be read.
     """
     named = {test.name: test for test in tests}
     numbered = dict(zip(numbers_of([test.name for test in tests]), tests, strict=True))
-    if wanted in named:
-        return raise_if_unreadable(selected(named[wanted]))
-    if wanted.isdecimal() and int(wanted) in numbered:
-        return raise_if_unreadable(selected(numbered[int(wanted)]))
+    found = named.get(wanted) or (numbered.get(int(wanted)) if wanted.isdecimal() else None)
+    if found is not None:
+        return raise_if_unreadable(selected(found))
     names = ", ".join(named)
     raise InputError(f"has no test {wanted!r}", remedy=f"use a number or one of: {names}", file=path, place=place)

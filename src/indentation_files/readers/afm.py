@@ -17,22 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from indentation_files.bounded_hdf5 import problem_of
-from indentation_files.bounded_process import BEYOND, MEMORY
+from indentation_files.bounded_process import BEYOND, MEMORY, problem_of
 from indentation_files.errors import InputError
 from indentation_files.readers.igor import HEADERS, is_wave, sampling, stated
 from indentation_files.readers.source import HDF5, ZIP, Source
-from indentation_files.readers.vendor import (
-    Corrections,
-    Reader,
-    Unreadable,
-    VendorTest,
-    read_or_report,
-    refuse_corrections,
-    unless_all_fail,
-    usable,
-)
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Reader, Unreadable, VendorTest, read_or_report, usable, vendor_test
 
 TAB = b"# afmformats"
 METADATA = b"BEGIN METADATA"
@@ -63,26 +52,21 @@ def _ending(source: Source) -> str | None:
     return None
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+def read(source: Source) -> list[VendorTest | Unreadable]:
     """Read all curves of the file, with their approach.
 
-    Raises
-    ------
-    InputError
-        When the library is missing, the file states no spring constant, or no curve can be read.
+    Raises `InputError` when the library is missing, the file states no spring constant, or no curve can be read.
     """
-    refuse_corrections(source, corrections)
     ending = _ending(source)
     if ending == ".ibw" and (lacking := [name for name, key in CALIBRATION.items() if not stated(source.content, key)]):
         raise not_stated(*lacking)
     try:
         from afmformats import errors, load_data
     except ImportError as error:
-        raise InputError(
-            "force curves need the library afmformats", remedy="install it: pip install afmformats", file=source.path
-        ) from error
+        problem = "force curves need the library afmformats"
+        raise InputError(problem, remedy="install it: pip install afmformats") from error
     if problem := _unreadable(source.content):
-        raise InputError(f"afmformats cannot read it ({problem})", remedy="copy or export it again", file=source.path)
+        raise InputError(f"afmformats cannot read it ({problem})", remedy="copy or export it again")
     with tempfile.TemporaryDirectory() as folder, _silence():
         copy = Path(folder) / f"curve{ending}"
         copy.write_bytes(source.content)
@@ -94,14 +78,11 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadab
         except errors.MissingMetaDataError as error:
             raise not_stated(*error.meta_keys) from error
         except (Exception, errors.AFMFileFormatError) as error:
-            raise InputError(
-                f"afmformats cannot read it ({_reason(error, copy)})",
-                remedy="export the curve as text, with time, force and height (JPK's text export is read)",
-                file=source.path,
-            ) from error
+            remedy = "export the curve as text, with time, force and height (JPK's text export is read)"
+            raise InputError(f"afmformats cannot read it ({_reason(error, copy)})", remedy=remedy) from error
     if not tests:
-        raise InputError("holds no force curve", remedy="export force-distance curves", file=source.path)
-    return unless_all_fail(tests)
+        raise InputError("holds no force curve", remedy="export force-distance curves")
+    return tests
 
 
 def _unreadable(content: bytes) -> str:
@@ -134,14 +115,13 @@ def _test(source: Source, number: int, curve: Any) -> VendorTest:
     force, height = np.asarray(curve["force"]), np.asarray(curve[names[0]])
     time, messages = (np.asarray(curve["time"]), ()) if "time" in curve else _time(source, len(force))
     depth = -1e9 * (height + force / stiffness)
-    kept, warnings = usable(source, f"curve {number}", time, force, depth)
+    kept, warnings = usable(f"curve {number}", time, force, depth)
     time, force, depth = time[kept], force[kept], depth[kept]
     if names[0] != HEIGHTS[0]:
         messages = (*messages, BY_PIEZO)
-    notes = (f"from {source.path.name}",)
-    recording = Recording(time - time[0], 1e3 * force, depth - depth[0], str(number), notes)
     facts = {str(key): str(value) for key, value in curve.metadata.items() if key != "path"}
-    return VendorTest(str(number), recording, facts, (*warnings, *messages), marked=False)
+    channels = time - time[0], 1e3 * force, depth - depth[0]
+    return vendor_test(source, str(number), channels, facts, (*warnings, *messages))
 
 
 def _time(source: Source, count: int) -> tuple[np.ndarray, tuple[str, ...]]:

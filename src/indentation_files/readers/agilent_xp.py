@@ -14,26 +14,10 @@ from __future__ import annotations
 import numpy as np
 
 from indentation_files.errors import InputError
+from indentation_files.readers import sheets_of_tests as sheets
 from indentation_files.readers.numbers_in_text import number
-from indentation_files.readers.sheets_of_tests import (
-    channel,
-    evaluated,
-    facts_of,
-    first_of,
-    headings_of,
-    read_sheets,
-    surface,
-    tests_of,
-)
 from indentation_files.readers.source import Source
-from indentation_files.readers.vendor import (
-    Corrections,
-    Reader,
-    Unreadable,
-    VendorTest,
-    usable,
-)
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Corrections, Reader, Unreadable, VendorTest, usable, vendor_test
 
 CHANNELS = {
     "time": ("time on sample", "time in contact"),
@@ -46,45 +30,36 @@ STIFFNESS = {True: "harmonic contact stiffness", False: "harmonic stiffness"}
 
 def matches(source: Source) -> bool:
     """Return whether a sheet ``Test ...`` has the XP's names of channels."""
-    return any(_names(source, sheet) for sheet in tests_of(source))
-
-
-def _names(source: Source, sheet: str) -> dict[str, str]:
-    """Return what a sheet calls its channels; empty where it lacks one."""
-    headings = headings_of(source, sheet)
-    found = {key: first_of(headings, spellings) for key, spellings in CHANNELS.items()}
-    return {key: name for key, name in found.items() if name} if all(found.values()) else {}
+    return any(sheets.names_of(source, sheet, CHANNELS) for sheet in sheets.tests_of(source))
 
 
 def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
     """Read all tests, in the order of their numbers, from the approach to the end of the drift hold."""
-    facts = facts_of(source, ("Required Inputs", "Results"))
-    return read_sheets(source, facts, _names, _test, corrections)
+    facts = sheets.facts_of(source, ("Required Inputs", "Results"))
+    return sheets.read_sheets(source, facts, CHANNELS, _test, corrections)
 
 
 def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Corrections) -> VendorTest:
     """Return the test on a sheet, its depth as the vendor gives it or with the corrections chosen."""
-    names = _names(source, sheet) or {key: spellings[0] for key, spellings in CHANNELS.items()}
-    channels = {key: channel(source, sheet, name, key) for key, name in names.items()}
+    channels = sheets.values_of(source, sheet, CHANNELS)
     if corrections is not None:
-        channels["depth"] = channel(source, sheet, "raw displacement", "depth")
-        channels["raw"] = channel(source, sheet, "raw load", "load")
-    kept, warnings = usable(source, sheet, *channels.values())
+        channels["depth"] = sheets.channel(source, sheet, "raw displacement", "depth")
+        channels["raw"] = sheets.channel(source, sheet, "raw load", "load")
+    kept, warnings = usable(sheet, *channels.values())
     time, load, depth, *force = (values[kept] for values in channels.values())
     if time[-1] < 0:
         raise InputError("the indenter never touched the sample", remedy="remove the test")
-    begin, marker = int(np.argmax(time >= 0)), surface(source, sheet)
+    begin, marker = int(np.argmax(time >= 0)), sheets.surface(source, sheet)
     marked = begin > 0
     if not marked and marker is not None and marker <= kept[-1]:
         begin, marked = int(np.searchsorted(kept, marker)), True
         time = time - time[begin]
     measured = STIFFNESS[corrections is None or "frame" in corrections]
-    named = headings_of(source, sheet)
-    extra = {
-        name: channel(source, sheet, name, "stiffness")[kept] for name in (FRAME.casefold(), measured) if name in named
-    }
-    frame = float(extra[FRAME.casefold()][begin]) if FRAME.casefold() in extra else 0.0
-    if FRAME.casefold() in extra:
+    known = FRAME.casefold()
+    wanted = [name for name in (known, measured) if name in sheets.headings_of(source, sheet)]
+    extra = {name: sheets.channel(source, sheet, name, "stiffness")[kept] for name in wanted}
+    frame = float(extra[known][begin]) if known in extra else 0.0
+    if known in extra:
         metadata = metadata | {f"{FRAME} [N/m]": f"{frame:g}"}
     if corrections is not None:
         raw = force[0] - force[0][begin]
@@ -92,29 +67,21 @@ def _test(source: Source, sheet: str, metadata: dict[str, str], corrections: Cor
         if "drift" in corrections:
             depth = depth - _drift(metadata.get(DRIFT)) * time
         if "frame" in corrections:
-            depth = depth - raw * _compliance(frame)
+            if not frame > 0:
+                raise InputError(f"{FRAME} is {frame:g} N/m, expected more than zero", remedy="leave frame off")
+            depth = depth - raw * (1e6 / frame)
     stiffness = 1e-6 * extra[measured] if measured in extra else None
-    recording = Recording(time, load, depth, sheet, (f"from {source.path.name}",), stiffness)
-    return VendorTest(sheet, recording, metadata | evaluated(source, sheet, kept, load), warnings, marked)
+    facts = metadata | sheets.evaluated(source, sheet, kept, load)
+    return vendor_test(source, sheet, (time, load, depth), facts, warnings, marked=marked, stiffness=stiffness)
 
 
 def _drift(text: str | None) -> float:
     """Return the drift that the workbook states [nm/s]."""
-    try:
-        value = np.nan if text is None else number(text)
-    except ValueError:
-        value = np.nan
+    value = number(text or "")
     if not np.isfinite(value):
         problem = f"the sheet Results gives no {DRIFT}" if text is None else f"{DRIFT} is {text!r}, no number"
         raise InputError(problem, remedy="leave drift off")
     return value
 
 
-def _compliance(stiffness: float) -> float:
-    """Return the compliance [nm/mN] of a frame of this stiffness [N/m]."""
-    if not stiffness > 0:
-        raise InputError(f"{FRAME} is {stiffness:g} N/m, expected more than zero", remedy="leave frame off")
-    return 1e6 / stiffness
-
-
-READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read)
+READER = Reader("agilent_xp", "MTS/Agilent XP workbook", matches, read, corrects=True)

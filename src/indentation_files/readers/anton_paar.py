@@ -6,13 +6,14 @@ import re
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 
+import numpy as np
+
 from indentation_files.errors import InputError
 from indentation_files.readers.anton_paar_columns import HEADING, NAMES, key_of
 from indentation_files.readers.numbers_in_text import column, number, refuse_unlike, require_tabs, table
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import CHANNELS, scale
-from indentation_files.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, unfinished, usable
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Reader, VendorTest, unfinished, usable, vendor_test
 
 BRACKET = re.compile(r"[\[({<]")  # before each unit
 LARGEST = {"load": "Fmax", "depth": "hmax"}  # among the results above the values
@@ -34,38 +35,33 @@ def _header(source: Source) -> int | None:
     return next((k for k, line in bracketed if len(columns(line)) == len(NAMES)), None)
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+def read(source: Source) -> list[VendorTest]:
     """Read the one test of the file; depth and load are the vendor's, from contact on."""
-    refuse_corrections(source, corrections)
-    lines, path = source.lines, source.path
-    start = _header(source)
+    lines, start = source.lines, _header(source)
     if start is None:
         for _, line in lines.in_words():
-            if names_all(line):
-                require_tabs(line, path)
-        raise InputError(
-            "lacks its column line, such as Time (s), Pd (nm), Fn (mN)",
-            remedy="export the test again, with data, or name its columns (--columns time=...,load=...,depth=...)",
-            file=path,
-        )
+            if all(re.search(rf"\b({'|'.join(names)}) *[(\[]", line) for names in NAMES.values()):
+                require_tabs(line)
+        remedy = "export the test again, with data, or name its columns (--columns time=...,load=...,depth=...)"
+        raise InputError("lacks its column line, such as Time (s), Pd (nm), Fn (mN)", remedy=remedy)
     places = columns(lines[start])
-    values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
-    refuse_unlike(lines[start], columns, values, path)
-    time, load, depth = (column(values, places[key][0], scale(key, places[key][1])) for key in NAMES)
-    kept, warnings = usable(source, "measured values", time, load, depth)
-    recording = Recording(time[kept], load[kept], depth[kept], path.stem, (f"from {path.name}",))
+    values = table(lines[start + 1 :], len(lines[start].rstrip().split("\t")))
+    refuse_unlike(lines[start], columns, values)
+    channels = [column(values, places[key][0], scale(key, places[key][1])) for key in NAMES]
+    kept, warnings = usable("measured values", *channels)
+    time, load, depth = (channel[kept] for channel in channels)
     facts = metadata(lines[:start])
-    messages = (*warnings, *unlike_stated(recording, facts), *unfinished(recording.load))
-    return [VendorTest(path.stem, recording, facts, messages, marked=False)]
+    messages = (*warnings, *unlike_stated(load, depth, facts), *unfinished(load))
+    return [vendor_test(source, source.path.stem, (time, load, depth), facts, messages)]
 
 
-def unlike_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, ...]:
+def unlike_stated(load: np.ndarray, depth: np.ndarray, facts: Mapping[str, str]) -> tuple[str, ...]:
     """Return a warning for each of load and depth whose largest value falls short of the file's own, or is far beyond.
 
     The `facts` hold these under the names of `LARGEST`, each with its unit.
     """
     messages = []
-    for key, values in (("load", recording.load), ("depth", recording.depth)):
+    for key, values in (("load", load), ("depth", depth)):
         name = LARGEST[key]
         with suppress(InputError, ValueError, ZeroDivisionError):
             value, unit = facts.get(name, "").rsplit(maxsplit=1)
@@ -75,11 +71,6 @@ def unlike_stated(recording: Recording, facts: Mapping[str, str]) -> tuple[str, 
                 odd = "the file may be cut off" if 1 / UNITS_APART < share < 1 else "one of the units may be wrong"
                 messages.append(f"{found}, the file states {name} = {facts[name]}; {odd}")
     return tuple(messages)
-
-
-def names_all(line: str) -> bool:
-    """Return whether a line names all channels, whatever is between them."""
-    return all(re.search(rf"\b({'|'.join(names)}) *[(\[]", line) for names in NAMES.values())
 
 
 def columns(line: str) -> dict[str, tuple[int, str]]:

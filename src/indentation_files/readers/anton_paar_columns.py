@@ -18,17 +18,14 @@ from indentation_files.readers.numbers_in_text import require_tabs, table
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import scale
 from indentation_files.readers.vendor import (
-    Corrections,
     Reader,
     Unreadable,
     VendorTest,
     read_or_report,
-    refuse_corrections,
     unfinished,
-    unless_all_fail,
     usable,
+    vendor_test,
 )
-from indentation_files.recording import Recording
 
 NAMES = {  # in English, French and German
     "time": ("Time", "Temps", "Zeit"),
@@ -54,23 +51,22 @@ def matches(source: Source) -> bool:
     )
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+def read(source: Source) -> list[VendorTest | Unreadable]:
     """Read all tests; depth is brought to the times of the load.
 
     A channel's time is the only one, or the last one named before it. The instrument writes the last point of a segment
     again as the first of the next; the repetition is dropped. Sheets of a workbook with another table come last, with
     what is wrong with them.
     """
-    refuse_corrections(source, corrections)
     if not source.workbook:
-        return unless_all_fail(_tests(source, "", _of_text(source)))
+        return _tests(source, "", _of_text(source))
     found = {sheet: read_or_report(source.path, sheet, _of_sheet, source, sheet) for sheet in source.sheets}
     tests: list[VendorTest | Unreadable] = []
     for sheet, columns in found.items():
         if not isinstance(columns, Unreadable):
             tests += _tests(source, sheet, columns, {test.name for test in tests})
     others = [replace(columns, sought=False) for columns in found.values() if isinstance(columns, Unreadable)]
-    return [*unless_all_fail(tests), *(sheet for sheet in others if source.sheet(sheet.name))]
+    return [*tests, *(sheet for sheet in others if source.sheet(sheet.name))]
 
 
 def _tests(source: Source, sheet: str, columns: Columns, known: Collection[str] = ()) -> list[VendorTest | Unreadable]:
@@ -113,10 +109,10 @@ def _header(source: Source, sheet: str) -> int | None:
 
 def _of_text(source: Source) -> Columns:
     """Return the columns of a text file, each with its heading."""
-    require_tabs(source.first, source.path)
+    require_tabs(source.first)
     start = next(k for k, line in enumerate(source.lines) if line.strip())
     headings = source.lines[start].rstrip().split("\t")
-    values = table(source.lines[start + 1 :], start + 2, len(headings), source.path)
+    values = table(source.lines[start + 1 :], len(headings))
     return list(zip(headings, values.T, strict=True))
 
 
@@ -150,11 +146,9 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
     clean: list[Series] = []
     for key, found in (("load", load), ("depth", depth)):
         if len(found) != 1:
-            raise InputError(
-                f"has {len(found)} columns of {key}",
-                remedy="export both channels once, under a name of its own for each test",
-            )
-        kept, messages = usable(source, f"{name}, {key}", *found[0])
+            problem = f"has {len(found)} columns of {key}"
+            raise InputError(problem, remedy="export both channels once, under a name of its own for each test")
+        kept, messages = usable(f"{name}, {key}", *found[0])
         warnings += [f"{key}: {message}" for message in messages]
         clean.append((found[0][0][kept], found[0][1][kept]))
     (time, force), (moments, path) = clean
@@ -162,17 +156,14 @@ def _test(source: Source, name: str, load: list[Series], depth: list[Series]) ->
     if not common.all():
         warnings.append(f"{(~common).sum()} of {len(time)} points of the load left out: the depth has none there")
     time, force = time[common], force[common]
-    recording = Recording(time, force, np.interp(time, moments, path), name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, warnings=(*warnings, *unfinished(force)), marked=False)
+    channels = time, force, np.interp(time, moments, path)
+    return vendor_test(source, name, channels, {}, (*warnings, *unfinished(force)))
 
 
 def _common(time: np.ndarray, moments: np.ndarray) -> np.ndarray:
     """Return which times of the load (n,) lie within the depth's (m,).
 
-    Raises
-    ------
-    InputError
-        When fewer than two do, or many more than elsewhere lie between two points of the depth.
+    Raises `InputError` when fewer than two do, or many more than elsewhere lie between two points of the depth.
     """
     rounding = 1e-9 * np.ptp(time)
     common = (time > moments[0] - rounding) & (time < moments[-1] + rounding)

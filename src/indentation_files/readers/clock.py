@@ -32,18 +32,10 @@ TAKEN = "times such as {} are taken as minutes and seconds (a heading with hh:mm
 class Reading:
     """What a clock shows.
 
-    Parameters
-    ----------
-    seconds
-        Since the clock's zero, or midnight [s].
-    day
-        Days since `ORIGIN`, for a calendar's time. Apart from the seconds, which keep their microseconds so.
-    period
-        After which the clock begins anew [s]; None for a calendar's time.
-    date
-        Any date beside it, as written.
-    text
-        The text where nothing shows whether it is of minutes and seconds or of hours and minutes.
+    It shows `seconds` since its zero, or midnight [s]; a calendar's time has a `day` since `ORIGIN` too, apart from the
+    seconds, which keep their microseconds so. After the `period` [s] the clock begins anew; None for a calendar's time.
+    `date` is any date beside it, as written. `text` is the text where nothing shows whether it is of minutes and
+    seconds or of hours and minutes.
     """
 
     seconds: float
@@ -58,17 +50,9 @@ def seconds(cells: Sequence[Any], heading: str = "") -> tuple[list[Any], tuple[s
 
     Known are ``1:02:03.5``, ``-02:03.5`` (minutes and seconds), ``11:59:40 PM``, ``2024-03-05T23:59:40Z``, a date
     before a clock, and a workbook's times, dates and durations. A clock that passes midnight, or the hour where no
-    hours are written, goes on.
+    hours are written, goes on. The `heading`, the column's name, may say ``mm:ss`` or ``hh:mm``.
 
-    Parameters
-    ----------
-    heading
-        The column's name, which may say ``mm:ss`` or ``hh:mm``.
-
-    Returns
-    -------
-    tuple
-        The cells, and what the user should know: what was taken for what.
+    Beside the cells, what the user should know is returned: what was taken for what.
     """
     readings = [_reading(cell, heading) for cell in cells]
     shown = [reading for reading in readings if reading]

@@ -16,13 +16,9 @@ from indentation_files.readers.units import CHANNELS, plain, scale
 class ColumnMap:
     """Which columns hold what.
 
-    Parameters
-    ----------
-    names
-        Name of the column, or its number from 1, for each of ``time``, ``load`` and ``depth``.
-    units
-        Their units, where the table states none or wrong ones; ``-mN`` turns the sign. s, mN and nm where neither
-        says more.
+    `names` has the name of the column, or its number from 1, for each of ``time``, ``load`` and ``depth``, `units`
+    their units, where the table states none or wrong ones; ``-mN`` turns the sign. s, mN and nm where neither says
+    more.
     """
 
     names: Mapping[str, str]
@@ -32,10 +28,7 @@ class ColumnMap:
     def stated(cls, columns: Any, units: Any = None) -> ColumnMap | None:
         """Return the map that a user states, or None where no columns are named; numbers of columns may be numbers.
 
-        Raises
-        ------
-        InputError
-            When units are given without columns, or either is no mapping.
+        Raises `InputError` when units are given without columns, or either is no mapping.
         """
         for place, given in (("columns", columns), ("units", units)):
             if given is not None and not isinstance(given, Mapping):
@@ -49,11 +42,8 @@ class ColumnMap:
     def __post_init__(self) -> None:
         for key in CHANNELS:
             if key not in self.names:
-                raise InputError(
-                    f"no column is named for {key}",
-                    remedy=f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed",
-                    place="columns",
-                )
+                remedy = f"add {key}=NAME; if the table has none, export it with {key}, which cannot be guessed"
+                raise InputError(f"no column is named for {key}", remedy=remedy, place="columns")
         for given, place in ((self.names, "columns"), (self.units, "units")):
             for key in given:
                 if key not in CHANNELS:

@@ -23,32 +23,29 @@ def column_warnings(body: TableBody, rows: np.ndarray) -> tuple[str, ...]:
     if body.header is None:
         return mixed
     headings = [str(cell).strip() for cell in body.table.rows[body.header]]
-    again = _again(headings, body.places) if body.named is not None else ()
-    by_name = _of_another(headings, body.places) + _of_piezo(headings, body.places)
-    return by_name + again + mixed + _apart(body, headings, rows)
-
-
-def _of_another(headings: list[str], chosen: Sequence[int]) -> tuple[str, ...]:
-    """Return a warning for each chosen column that has the name of another channel."""
-    named = [(key, headings[place]) for key, place in zip(CHANNELS, chosen, strict=True) if place < len(headings)]
-    return tuple(
+    names = [headings[place] if place < len(headings) else "" for place in body.places]
+    again = _again(headings, names, body.places) if body.named is not None else ()
+    of_another = tuple(
         f"{name!r} is taken as the {key}, and has the name of a {other}: look whether columns are exchanged"
-        for key, name in named
+        for key, name in zip(CHANNELS, names, strict=True)
         if (other := channel_of(name)) and not words_in(name) & CHANNEL_WORDS[key]
     )
+    of_piezo: tuple[str, ...] = ()
+    if words_in(names[2]) & OF_PIEZO:
+        drive = f"{names[2]!r} is the way of the drive, by its name"
+        of_piezo = (f"{drive}: the bending of a cantilever or a spring is in the depth",)
+    return of_another + of_piezo + again + mixed + _apart(body, headings, rows)
 
 
-def _again(headings: list[str], chosen: Sequence[int]) -> tuple[str, ...]:
+def _again(headings: list[str], names: list[str], chosen: Sequence[int]) -> tuple[str, ...]:
     """Return a warning where columns beside the chosen ones have the names of all three again."""
-    wanted = [_unnumbered(headings[place]) if place < len(headings) else "" for place in chosen]
-    others = [_unnumbered(name) for k, name in enumerate(headings) if k not in chosen]
+    wanted, others = (
+        [NUMBERED.sub("", name).strip() for name in some]
+        for some in (names, [name for k, name in enumerate(headings) if k not in chosen])
+    )
     if not all(name and name in others for name in wanted):
         return ()
     return (f"columns called {', '.join(wanted)} stand there again: of several tests side by side one is read",)
-
-
-def _unnumbered(name: str) -> str:
-    return NUMBERED.sub("", name).strip()
 
 
 def _mixed(body: TableBody, rows: np.ndarray) -> tuple[str, ...]:
@@ -68,14 +65,6 @@ def _mixed(body: TableBody, rows: np.ndarray) -> tuple[str, ...]:
                 "spreadsheet program may have taken decimal signs for those of thousands"
             )
     return tuple(found)
-
-
-def _of_piezo(headings: list[str], chosen: Sequence[int]) -> tuple[str, ...]:
-    """Return a warning where the column of the depth has the name of a drive."""
-    name = headings[chosen[2]] if chosen[2] < len(headings) else ""
-    if not words_in(name) & OF_PIEZO:
-        return ()
-    return (f"{name!r} is the way of the drive, by its name: the bending of a cantilever or a spring is in the depth",)
 
 
 def _apart(body: TableBody, headings: list[str], rows: np.ndarray) -> tuple[str, ...]:

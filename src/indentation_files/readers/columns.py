@@ -19,14 +19,7 @@ from indentation_files.readers.source import Source
 from indentation_files.readers.table_body import TableBody, body_of, is_numeric, parts_of
 from indentation_files.readers.tables import NAME_WITH_UNIT, OnDemand, Table, tables_of
 from indentation_files.readers.units import CHANNELS, scale
-from indentation_files.readers.vendor import (
-    MOST_LEFT_OUT,
-    Unreadable,
-    VendorTest,
-    read_or_report,
-    unfinished,
-    unless_all_fail,
-)
+from indentation_files.readers.vendor import MOST_LEFT_OUT, Unreadable, VendorTest, read_or_report, unfinished
 from indentation_files.recording import Recording, spaced
 
 LONG_AGO = 1e6  # of a test's duration, chosen: what counts from longer ago is a calendar's time
@@ -37,19 +30,16 @@ EPOCH = (1e9, 4.2e9)  # seconds since 1970, in the years 2001 to 2103
 def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unreadable]:
     """Read the table of a text file, or one from each sheet of a workbook that holds the columns.
 
-    A table may hold several tests below one another (`indentation_files.readers.several_tests`). Sheets that give
-    none, and hold a table, come last, with what is wrong with them: so the tests keep their numbers.
+    A table may hold several tests below one another (`indentation_files.readers.several_tests`). Sheets that give none,
+    and hold a table, come last, with what is wrong with them: so the tests keep their numbers.
 
     The header is the first row with all names; where columns are given by their numbers it gives nothing but units.
     Rows without any number, of units and remarks, do no harm before and after the numbers, nor do rows that are written
     twice or zeros at the end; other rows without three, or with a time that does not increase, are left out with a
     warning.
 
-    Raises
-    ------
-    InputError
-        When no table has the columns, or none that has them can be read: it has several of a name, more than a
-        twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
+    Raises `InputError` when no table has the columns, or none that has them can be read: it has several of a name, more
+    than a twentieth of its rows would be left out, cells do not fit the header, or a unit is not known.
     """
     tables = tables_of(source)
     found = [_tests(table, columns) for table in tables]
@@ -58,7 +48,7 @@ def read_columns(source: Source, columns: ColumnMap) -> list[VendorTest | Unread
         raise nothing_found(tables, columns)
     unused = [table for table, of_table in zip(tables, found, strict=True) if source.workbook and not of_table]
     without = [left_out(table, columns) for table in unused]
-    return [*unless_all_fail(tests), *(sheet for sheet in without if sheet)]
+    return [*tests, *(sheet for sheet in without if sheet)]
 
 
 def holds_columns(source: Source, columns: ColumnMap) -> bool:
@@ -156,11 +146,9 @@ def _check_assumed(table: Table, columns: ColumnMap, assumed: Sequence[str], tim
         line = ", ".join(str(cell) for cell in table.rows[row] if is_word(str(cell)))
         for key, unit in in_prose(line).items():
             if key in assumed and unit != CHANNELS[key]:
-                raise InputError(
-                    f"column {columns.names[key]} has no unit beside it, and {line[:60]!r} says {unit}",
-                    remedy=f"state it by --units {key}=UNIT (in a study by source.units)",
-                    place=table.place(row),
-                )
+                problem = f"column {columns.names[key]} has no unit beside it, and {line[:60]!r} says {unit}"
+                remedy = f"state it by --units {key}=UNIT (in a study by source.units)"
+                raise InputError(problem, remedy=remedy, place=table.place(row))
     begin, duration = abs(float(time[0])), float(np.ptp(time))
     if "time" in assumed and begin > LONG_AGO * duration and not EPOCH[0] <= begin < EPOCH[1]:
         raise InputError(

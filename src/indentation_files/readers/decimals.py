@@ -32,20 +32,12 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str], sign: st
     """Return the numbers in `rows` of as many cells each (n, k): NaN for text, infinite for an empty or invalid cell.
 
     ``1,143.74``, ``1.143,74`` and ``1'143.74`` are one number; ``1,200`` may be two. The sign that makes numbers of
-    more of the table's cells is its decimal sign. ``nan``, ``inf`` and numbers beyond 1e20 mean "invalid". A column
-    whose every cell has three digits behind the other sign may hold fractions.
+    more of the table's cells is its decimal sign, unless other rows of the table show it (`sign`). ``nan``, ``inf`` and
+    numbers beyond 1e20 mean "invalid". A column whose every cell has three digits behind the other sign may hold
+    fractions.
 
-    Parameters
-    ----------
-    place
-        Where a row is in the file, for messages.
-    sign
-        The decimal sign, where other rows of the table show it.
-
-    Raises
-    ------
-    InputError
-        When a point and a comma make numbers of as many cells, but not the same numbers, or of a whole column.
+    Raises `InputError`, with the `place` of a row in the file, when a point and a comma make numbers of as many cells,
+    but not the same numbers, or of a whole column.
     """
     if sign:
         return _by_sign(rows, sign)
@@ -65,11 +57,9 @@ def numbers(rows: Sequence[Sequence[Any]], place: Callable[[int], str], sign: st
 
 def _unclear(row: int, column: int, rows: Sequence[Sequence[Any]], place: Callable[[int], str]) -> InputError:
     """Return the error of a cell whose sign may be the decimal one."""
-    return InputError(
-        f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not show which",
-        remedy="export the numbers without separators of thousands, or with other than three decimals",
-        place=place(row),
-    )
+    problem = f"{rows[row][column]!r} has a decimal sign or parts thousands, the table does not show which"
+    remedy = "export the numbers without separators of thousands, or with other than three decimals"
+    return InputError(problem, remedy=remedy, place=place(row))
 
 
 def _by_sign(rows: Sequence[Sequence[Any]], sign: str) -> np.ndarray:

@@ -6,29 +6,27 @@ layout are none of Fischer's, and their depths and loads may be raw.
 
 from __future__ import annotations
 
+import importlib.util
 import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from indentation_files.bounded_hdf5 import available, read_hdf5
+from indentation_files.bounded_process import read_hdf5
 from indentation_files.errors import InputError
-from indentation_files.readers.several_tests import Channels, parted
+from indentation_files.readers.several_tests import Part, parted
 from indentation_files.readers.source import HDF5, Source
 from indentation_files.readers.units import SCALES, unit_of
 from indentation_files.readers.vendor import (
-    Corrections,
     Reader,
     Unreadable,
     VendorTest,
-    first_few,
     read_or_report,
-    refuse_corrections,
     unfinished,
-    unless_all_fail,
     usable,
+    vendor_test,
 )
-from indentation_files.recording import Recording
+from indentation_files.sentences import first_few
 
 NAMES = {"time": ("time",), "load": ("force", "load"), "depth": ("displacement", "depth")}
 FACTS = ("", "instrument", "metadata")
@@ -46,24 +44,16 @@ def matches(source: Source) -> bool:
     return any(name in content for name in WRITERS) and not any(name in content for name in OTHER_WRITERS)
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
-    """Read all tests.
-
-    Raises
-    ------
-    InputError
-        When the library h5py is missing, or no test can be read.
-    """
-    refuse_corrections(source, corrections)
-    if not available():
+def read(source: Source) -> list[VendorTest | Unreadable]:
+    """Read all tests; raises `InputError` when the library h5py is missing, or no test can be read."""
+    if importlib.util.find_spec("h5py") is None:
         raise InputError("Fischer's HDF5 needs the library h5py", remedy="install it: pip install h5py")
     found = read_hdf5(source.content)
     if found.problem:
         raise InputError(f"h5py cannot read it ({found.problem})", remedy="copy or export it again")
     facts = {key: value for name in FACTS for key, value in found.attributes.get(name, {}).items()}
     groups = sorted(found.groups.items(), key=lambda item: _numbered(item[0]))
-    tests = [_of_group(source, path, group, facts) for path, group in groups if _channels(group)]
-    return unless_all_fail([test for of_group in tests for test in of_group])
+    return [test for path, group in groups if _channels(group) for test in _of_group(source, path, group, facts)]
 
 
 def _numbered(path: str) -> list[tuple[int, str]]:
@@ -84,25 +74,20 @@ def _of_group(source: Source, path: str, group: Columns, facts: dict[str, str]) 
     channels = read_or_report(source.path, name, _values, group)
     if isinstance(channels, Unreadable):
         return [Unreadable(name, channels.error)]
-    parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), _point)
+
+    def point(*rows: int) -> str:
+        return f"point {first_few([row + 1 for row in rows])}"
+
+    parts = parted(channels, np.zeros(len(channels[0]), dtype=bool), point)
     peaks = [float(part.channels[1].max()) for part in parts]
     pressed = [part for part, peak in zip(parts, peaks, strict=True) if peak > APPROACH * max(peaks)]
+    unpressed = len(parts) - len(pressed)
+    before = (f"{unpressed} parts without load before the clock begins anew left out",) if unpressed else ()
     tests: list[VendorTest | Unreadable] = []
     for number, part in enumerate(pressed, 1):
         called = f"{name} {number}" if len(pressed) > 1 else name
-        messages = part.messages
-        if len(pressed) < len(parts):
-            messages = (
-                *messages,
-                f"{len(parts) - len(pressed)} parts without load before the clock begins anew left out",
-            )
-        tests.append(read_or_report(source.path, called, _test, source, called, part.channels, facts, messages))
+        tests.append(read_or_report(source.path, called, _test, source, called, part, facts, before))
     return tests
-
-
-def _point(*rows: int) -> str:
-    """Return which points are meant, from 1, for messages."""
-    return f"point {first_few([row + 1 for row in rows])}"
 
 
 def _values(group: Columns) -> list[np.ndarray]:
@@ -123,14 +108,12 @@ def _values(group: Columns) -> list[np.ndarray]:
     return columns
 
 
-def _test(
-    source: Source, name: str, channels: Channels, facts: dict[str, str], messages: tuple[str, ...]
-) -> VendorTest:
-    """Return the test of a name from its time, load and depth."""
-    kept, warnings = usable(source, name, *channels)
-    time, load, depth = (channel[kept] for channel in channels)
-    recording = Recording(time - time[0], load, depth, name, (f"from {source.path.name}",))
-    return VendorTest(name, recording, facts, (*messages, *warnings, *unfinished(load)), marked=False)
+def _test(source: Source, name: str, part: Part, facts: dict[str, str], before: tuple[str, ...]) -> VendorTest:
+    """Return the test of a name from its part of a group, with messages on what comes before it."""
+    kept, warnings = usable(name, *part.channels)
+    time, load, depth = (channel[kept] for channel in part.channels)
+    messages = (*part.messages, *before, *warnings, *unfinished(load))
+    return vendor_test(source, name, (time - time[0], load, depth), facts, messages)
 
 
 READER = Reader("fischer_hdf5", "Fischer HDF5 (by h5py)", matches, read)

@@ -93,10 +93,6 @@ def is_row_of_units(cells: Sequence[str]) -> bool:
     return sum(map(bool, known)) >= 2
 
 
-def _abbreviated(spelt_out: re.Match[str]) -> str:
-    return PREFIX[spelt_out[1].casefold()] + spelt_out[2]
-
-
 def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | None:
     """Return the unit that the table states for a column, or None where it says nothing of any.
 
@@ -104,23 +100,13 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
     Without these, a word of the heading that is one counts: ``sample_load_uN``, ``Load in uN``, ``load_micro_N``. A
     single letter in it may also belong to the name, as in ``F_N``.
 
-    Parameters
-    ----------
-    key
-        ``time``, ``load`` or ``depth``.
-    column
-        What the user calls the column, for messages.
-    heading
-        Its name in the table; empty where the table names none.
-    alone
-        Other texts about the column: cells of rows of units and of remarks.
-
-    Raises
-    ------
-    InputError
-        When the unit is not known or has a factor, may be part of the name, or is stated twice and differently.
+    The `key` is ``time``, ``load`` or ``depth``, `column` what the user calls the column, for messages, and `heading`
+    its name in the table; empty where the table names none. Other texts about the column stand `alone`: cells of rows
+    of units and of remarks. Raises `InputError` when the unit is not known or has a factor, may be part of the name, or
+    is stated twice and differently.
     """
-    texts = [SPELT_OUT.sub(_abbreviated, plain(text)) for text in (*alone, heading)]
+    texts = [plain(text) for text in (*alone, heading)]
+    texts = [SPELT_OUT.sub(lambda found: PREFIX[found[1].casefold()] + found[2], text) for text in texts]
     bracketed = [unit for text in texts for unit in BRACKETED.findall(text)]
     name, *behind = re.split(r"/(?!.*/)", BRACKETED.sub(" ", texts.pop()))
     behind += [part for part in name.split(",")[1:] if unit_of(key, part)]
@@ -143,8 +129,5 @@ def stated(key: str, column: str, heading: str, alone: Sequence[str]) -> str | N
         problem = f"{doubtful[0]!r} may be the {key}'s unit or part of the name"
     else:
         problem = f"the {key}'s unit {doubtful[0]!r} is not known"
-    raise InputError(
-        problem,
-        remedy=f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(SCALES[key])}",
-        place=f"column {column}",
-    )
+    remedy = f"state it by --units {key}=UNIT (in a study by source.units), one of: {', '.join(SCALES[key])}"
+    raise InputError(problem, remedy=remedy, place=f"column {column}")

@@ -18,12 +18,11 @@ import re
 import numpy as np
 
 from indentation_files.errors import InputError
-from indentation_files.readers.hysitron_txt import EXACT
+from indentation_files.readers.hysitron_txt import EXACT, applied
 from indentation_files.readers.numbers_in_text import counted, number, require_tabs
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import SCALES, plain, unit_of
-from indentation_files.readers.vendor import Corrections, Reader, VendorTest, contact, usable
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Corrections, Reader, VendorTest, contact, usable, vendor_test
 
 COUNT = "Test Data Points"
 VERSION = "File Version: Hysitron"
@@ -56,24 +55,24 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     start, versioned = _announced(source), source.first.startswith(VERSION)
     entries = dict(line.split(":", 1) for line in source.lines[:start] if ":" in line)
     if start is None or (versioned and any(key not in entries for key in NEEDED)):
-        raise InputError(f"lacks {COUNT} or one of {', '.join(NEEDED)}", remedy="copy it again", file=source.path)
+        raise InputError(f"lacks {COUNT} or one of {', '.join(NEEDED)}", remedy="copy it again")
     for headings in source.lines[start + 1 : start + 2]:
-        require_tabs(headings, source.path)
+        require_tabs(headings)
     places = _places(source, start)
     missing = [name for name in COLUMNS if name not in places and (name != CELL or versioned)]
     if missing:
-        raise InputError(f"lacks the column {', '.join(missing)}", remedy="copy it again", file=source.path)
+        raise InputError(f"lacks the column {', '.join(missing)}", remedy="copy it again")
     width = len(source.lines[start + 1].split("\t"))
     announced = source.lines[start].partition(":")[2]
-    values = counted(source.lines[start + 2 :], start + 3, width, source.path, announced)
+    values = counted(source.lines[start + 2 :], width, announced)
     places.setdefault(CELL, (0, 0.0))  # a specimen that rests on none
     wanted = [*COLUMNS, *([SENSOR] if SENSOR in places else [])]
     columns = [values[:, index] * factor for index, factor in (places[name] for name in wanted)]
-    kept, warnings = usable(source, "test data", *columns)
+    kept, warnings = usable("test data", *columns)
     time, depth, load, cell, *sensor = (column[kept] for column in columns)
     begin, zero, free = contact(load, depth), 0.0, 0.0
     if versioned:
-        zero, free = _entry(source, entries, "Disp Shift"), _entry(source, entries, "Force Shift")
+        zero, free = _entry(entries, "Disp Shift"), _entry(entries, "Force Shift")
         begin = contact(load - free, depth - zero)
     else:
         zero, free = float(depth[begin]), float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
@@ -81,15 +80,18 @@ def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     facts = {key.strip(): value.strip() for key, value in entries.items()}
     since, pressed, yielded = time - time[begin], load - load[begin], cell - cell[begin]
     if corrections is not None and not versioned:
-        rate, compliance = _applied(source, depth - cell, sensor, load, time)
+        target = depth - cell - sensor[0] if sensor else depth - cell
+        rate, compliance, misfit = applied(target, [], load, time)
+        if not sensor or misfit > EXACT:
+            problem = "states neither compliance nor drift rate, and its sensor's displacement does not give them"
+            raise InputError(problem, remedy="leave --raw and --correct off")
         facts |= {"drift [nm/s]": f"{rate:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
     if corrections is not None and "drift" not in corrections:
-        depth = depth + (_entry(source, entries, "Drift Rate") if versioned else rate) * since
+        depth = depth + (_entry(entries, "Drift Rate") if versioned else rate) * since
     if corrections is not None and "frame" not in corrections:
-        depth = depth + (_entry(source, entries, "Machine Comp") if versioned else compliance) * pressed - yielded
-    name = source.path.stem
-    recording = Recording(since, load - free, depth - zero, name, (f"from {source.path.name}",))
-    return [VendorTest(name, recording, facts, warnings, marked=versioned)]
+        depth = depth + (_entry(entries, "Machine Comp") if versioned else compliance) * pressed - yielded
+    channels = since, load - free, depth - zero
+    return [vendor_test(source, source.path.stem, channels, facts, warnings, marked=versioned)]
 
 
 def _announced(source: Source) -> int | None:
@@ -109,41 +111,15 @@ def _places(source: Source, start: int) -> dict[str, tuple[int, float]]:
     return found
 
 
-def _applied(
-    source: Source, depth: np.ndarray, sensor: list[np.ndarray], load: np.ndarray, time: np.ndarray
-) -> tuple[float, float]:
-    """Return the drift rate [nm/s] and the compliance [nm/mN] that are taken off in the file.
-
-    `depth` (n,) is the file's displacement less the load cell's [nm], `sensor` the capacitive sensor's, where it is.
-    """
-    terms = np.column_stack([np.ones_like(load), load, time])
-    target = depth - sensor[0] if sensor else depth
-    solution = np.linalg.lstsq(terms, target, rcond=None)[0]
-    if not sensor or float(np.sqrt(np.mean((terms @ solution - target) ** 2))) > EXACT:
-        raise InputError(
-            "states neither compliance nor drift rate, and its sensor's displacement does not give them",
-            remedy="leave --raw and --correct off",
-            file=source.path,
-        )
-    return -float(solution[2]), -float(solution[1])
-
-
-def _entry(source: Source, entries: dict[str, str], key: str) -> float:
+def _entry(entries: dict[str, str], key: str) -> float:
     """Return a number of the header in nm, mN, nm/s or nm/mN, whatever its decimal sign and its unit."""
     text = entries[key].strip()
     size, _, unit = text.partition(" ")
-    try:
-        value = number(size) * UNITS[key].get(plain(unit), np.nan)
-    except ValueError:
-        value = np.nan
+    value = number(size) * UNITS[key].get(plain(unit), np.nan)
     if not np.isfinite(value):
-        raise InputError(
-            f"is {text!r}, expected a number and its unit, such as 0.1 {next(iter(UNITS[key]))}",
-            remedy="correct the entry, or copy the file again",
-            file=source.path,
-            place=key,
-        )
-    return float(value)
+        problem = f"is {text!r}, expected a number and its unit, such as 0.1 {next(iter(UNITS[key]))}"
+        raise InputError(problem, remedy="correct the entry, or copy the file again", place=key)
+    return value
 
 
-READER = Reader("hysitron_hld", "Hysitron TriboScan .hld", matches, read)
+READER = Reader("hysitron_hld", "Hysitron TriboScan .hld", matches, read, corrects=True)

@@ -7,6 +7,7 @@ them, because the sensor is linear: depth = a + b volts - compliance * load - dr
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,8 +15,7 @@ from indentation_files.errors import InputError
 from indentation_files.readers.numbers_in_text import column, counted, refuse_unlike, require_tabs
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import CHANNELS, SCALES, unit_of
-from indentation_files.readers.vendor import Corrections, Reader, VendorTest, contact, corrected, usable
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Corrections, Reader, VendorTest, contact, usable, vendor_test
 
 COUNT = re.compile(r"Number of Points\s*[=:](.*)")
 HEADING = re.compile(r"\s*(Time|Load|Depth)\s*\((.+)\)\s*")
@@ -49,62 +49,48 @@ def columns(line: str) -> dict[str, tuple[int, float]]:
 def read(source: Source, corrections: Corrections) -> list[VendorTest]:
     """Read the one test; time is counted from the last point without load before it is loaded."""
     start = next(k for k, line in source.lines.in_words() if DEPTH.search(line))
-    require_tabs(source.lines[start], source.path)
+    require_tabs(source.lines[start])
     places = columns(source.lines[start])
     if not {*CHANNELS} <= {*places}:
-        raise InputError(
-            "lacks one of the columns Depth (nm), Load (µN), Time (s)", remedy="export them", file=source.path
-        )
+        raise InputError("lacks one of the columns Depth (nm), Load (µN), Time (s)", remedy="export them")
     if corrections is not None and VOLTS not in places:
-        raise InputError(
-            "without the column Depth (V) or Disp. Voltage(V) the corrections cannot be taken off",
-            remedy="export the volts, or leave --raw and --correct off",
-            file=source.path,
-        )
+        problem = "without the column Depth (V) or Disp. Voltage(V) the corrections cannot be taken off"
+        raise InputError(problem, remedy="export the volts, or leave --raw and --correct off")
     announced = next(found[1] for line in source.lines[:HEAD] if (found := COUNT.match(line)))
     width = len(source.lines[start].rstrip().split("\t"))
-    values = counted(source.lines[start + 1 :], start + 2, width, source.path, announced)
-    refuse_unlike(source.lines[start], columns, values, source.path)
+    values = counted(source.lines[start + 1 :], width, announced)
+    refuse_unlike(source.lines[start], columns, values)
     needed = [*CHANNELS] if corrections is None else [*CHANNELS, VOLTS]
     channels = [column(values, *places[key]) for key in needed]
-    kept, warnings = usable(source, "values", *channels)
+    kept, warnings = usable("values", *channels)
     time, load, depth, *volts = (channel[kept] for channel in channels)
     begin = contact(load, depth)
     metadata = {"date": source.lines[0].strip()}
     if corrections is not None:
-        drift, compliance = applied(depth, volts[0], load, time, source)
-        since, force = time - time[begin], load - load[begin]
-        every = frozenset({"drift", "frame"})
-        depth = 2 * depth - corrected(depth, since, force, drift=drift, compliance=compliance, corrections=every)
-        depth = corrected(depth, since, force, drift=drift, compliance=compliance, corrections=corrections)
+        drift, compliance, misfit = applied(depth, volts, load, time)
+        if misfit > EXACT:
+            problem = f"depth does not follow from volts, load and time (they leave {misfit:.3g} nm)"
+            raise InputError(problem, remedy="leave --raw and --correct off")
+        if "drift" not in corrections:
+            depth = depth + drift * (time - time[begin])
+        if "frame" not in corrections:
+            depth = depth + compliance * (load - load[begin])
         metadata |= {"drift [nm/s]": f"{drift:.5g}", "frame compliance [nm/mN]": f"{compliance:.5g}"}
-    name = source.path.stem
-    recording = Recording(time - time[begin], load, depth, name, (f"from {source.path.name}",))
-    return [VendorTest(name, recording, metadata, warnings, marked=False)]
+    return [vendor_test(source, source.path.stem, (time - time[begin], load, depth), metadata, warnings)]
 
 
 def applied(
-    depth: np.ndarray, volts: np.ndarray, load: np.ndarray, time: np.ndarray, source: Source
-) -> tuple[float, float]:
-    """Return the drift [nm/s] and compliance [nm/mN] that make a linear sensor's `volts` (n,) into `depth` (n,).
+    depth: np.ndarray, sensor: Sequence[np.ndarray], load: np.ndarray, time: np.ndarray
+) -> tuple[float, float, float]:
+    """Return the drift [nm/s] and compliance [nm/mN] taken off a `depth` (n,) [nm], and the misfit [nm] of that.
 
-    Parameters
-    ----------
-    depth, volts, load, time : ndarray, shape (n,)
-        [nm], [V], [mN], [s].
-    source
-        The file, for messages.
+    What is left of the depth is constant, or follows linearly from the volts of a `sensor`, in one column or none.
+    `load` and `time` (n,) are in mN and s.
     """
-    terms = np.column_stack([np.ones_like(volts), volts, load, time])
+    terms = np.column_stack([np.ones_like(load), *sensor, load, time])
     solution = np.linalg.lstsq(terms, depth, rcond=None)[0]
     misfit = float(np.sqrt(np.mean((terms @ solution - depth) ** 2)))
-    if misfit > EXACT:
-        raise InputError(
-            f"depth does not follow from volts, load and time (they leave {misfit:.3g} nm)",
-            remedy="leave --raw and --correct off",
-            file=source.path,
-        )
-    return -float(solution[3]), -float(solution[2])
+    return -float(solution[-1]), -float(solution[-2]), misfit
 
 
-READER = Reader("hysitron_txt", "Hysitron TriboScan text", matches, read)
+READER = Reader("hysitron_txt", "Hysitron TriboScan text", matches, read, corrects=True)

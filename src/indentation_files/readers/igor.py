@@ -39,13 +39,7 @@ def stated(content: bytes, key: bytes) -> float:
 
 
 def sampling(content: bytes) -> tuple[float, tuple[str, ...]]:
-    """Return the time between two points of a wave [s], and what the user should know of it.
-
-    Raises
-    ------
-    InputError
-        When neither the scaling nor the note gives it.
-    """
+    """Return the time between two points [s], and what the user should know of it; raises `InputError` without it."""
     rate = stated(content, b"NumPtsPerSec")
     by_rate = 1.0 / rate if rate else 0.0
     by_scaling = _scaling(content)

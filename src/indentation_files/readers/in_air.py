@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
 from indentation_files.borne_load import OUTLIER
-from indentation_files.channel_noise import noise_of, noises_of
+from indentation_files.channel_noise import noise_of
 from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, loading
 from indentation_files.departure import Departure, departure
 from indentation_files.errors import InputError
@@ -19,7 +19,6 @@ PRESSED = 0.05  # of the largest load: what is above is no air
 FIRST = 5  # points, chosen: the median of their loads is what the load in air is compared with
 NEAR = 0.1  # of the way in, chosen: there the surface may pull on the tip
 ENOUGH = 20  # points of an approach, chosen, that show how the load changes in air
-TOGETHER = 1_000_000  # points, looked at at once
 STEPS_AT_REST = 3  # sampling steps, chosen: the first sample or two are where a test begins
 LEAST_REST = 0.01  # of the time from the first movement to the largest load, chosen: a shorter rest is no matter
 MOVES_LATE = 0.8  # of the time until a channel leaves its noise, chosen: what moves from the start rests for less
@@ -53,7 +52,7 @@ def air_before(recording: Recording) -> ContactPoint | None:
 
 def seems_in_air(r: Recording) -> bool:
     """Return whether the tip retreats at first, or a load shows air that stays in its noise and leaves the air late."""
-    return _retreats(r) or (float(resting(r.load, r.depth)) > SHARE and _leaves_late(r, _left(r)))
+    return _retreats(r) or (resting(r.load, r.depth) > SHARE and _leaves_late(r, _left(r)))
 
 
 def retreat_before(recording: Recording, point: ContactPoint) -> float:
@@ -68,18 +67,15 @@ def share_in_air(recording: Recording, point: ContactPoint) -> float:
     return (point.depth - lowest) / max(float(recording.depth.max()) - lowest, 1e-300)
 
 
-def resting(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Return by which shares of its largest the depth grows before the load leaves its noise, of channels (..., n).
+def resting(load: np.ndarray, depth: np.ndarray) -> float:
+    """Return by which share of its largest the depth (n,) grows before the load (n,) leaves its noise.
 
     Where it leaves the level of its first points within these, it does not rest, and the share is zero.
     """
-    smooth = median_filter(load, (1,) * (load.ndim - 1) + (5,), mode="nearest")
-    level = np.median(smooth[..., :FIRST], axis=-1)
-    clear = CLEAR * np.maximum(noises_of(load), 1e-4 * np.ptp(load, axis=-1))
-    risen = smooth > (level + clear)[..., None]
-    left = np.where(risen.any(axis=-1), np.argmax(risen, axis=-1), load.shape[-1] - 1)
-    grown = np.take_along_axis(depth, left[..., None], axis=-1)[..., 0] - depth[..., 0]
-    return np.where(left < FIRST, 0.0, grown / np.maximum(np.ptp(depth, axis=-1), 1e-300))
+    smooth = median_filter(load, 5, mode="nearest")
+    risen = smooth > np.median(smooth[:FIRST]) + CLEAR * max(noise_of(load), 1e-4 * float(np.ptp(load)))
+    left = int(np.argmax(risen)) if risen.any() else len(load) - 1
+    return 0.0 if left < FIRST else float(depth[left] - depth[0]) / max(float(np.ptp(depth)), 1e-300)
 
 
 def _left(r: Recording) -> Departure | None:
@@ -95,39 +91,31 @@ def _leaves_late(r: Recording, left: Departure | None) -> bool:
 
 def _retreats(r: Recording) -> bool:
     """Return whether the tip moves away from where it begins before the load is largest."""
-    retreat = float(_first_retreat(r.load, r.depth))
+    retreat = _first_retreat(r)
     return retreat > SHARE * float(np.ptp(r.depth)) and retreat > CLEAR * noise_of(r.depth)
 
 
-def _first_retreat(load: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]; channels (..., n)."""
-    before = np.arange(load.shape[-1]) <= np.argmax(load, axis=-1)[..., None]
-    before &= load <= PRESSED * load.max(axis=-1, keepdims=True)
-    return depth[..., 0] - np.where(before, depth, depth[..., :1]).min(axis=-1)
+def _first_retreat(r: Recording) -> float:
+    """Return by how much the tip moves away from where it begins, under no load to speak of [nm]."""
+    before = slice(int(np.argmax(r.load)) + 1)
+    free = r.depth[before][r.load[before] <= PRESSED * r.load.max()]
+    return float(r.depth[0] - free.min(initial=r.depth[0]))
 
 
 def suspects(tests: Sequence[Recording]) -> list[Recording]:
-    """Return the tests that `air_at_start` has to look at: their load rests at the start, or their tip retreats.
-
-    Tests of one length are looked at together, as numpy takes as long for one of them as for many.
-    """
-    found = set[int]()
-    for length in sorted({len(test) for test in tests}):
-        alike = [test for test in tests if len(test) == length]
-        size = max(TOGETHER // length, 1)
-        for first in range(0, len(alike), size):
-            some = alike[first : first + size]
-            load, depth = np.stack([test.load for test in some]), np.stack([test.depth for test in some])
-            far = _first_retreat(load, depth) > SHARE * np.ptp(depth, axis=-1)
-            found |= {id(test) for test, odd in zip(some, far | (resting(load, depth) > SHARE), strict=True) if odd}
-    return [test for test in tests if id(test) in found]
+    """Return the tests that `air_at_start` has to look at: their load rests at the start, or their tip retreats."""
+    return [
+        test
+        for test in tests
+        if _first_retreat(test) > SHARE * np.ptp(test.depth) or resting(test.load, test.depth) > SHARE
+    ]
 
 
 def retreats_at_start(r: Recording, remedy: str = FINDS) -> tuple[str, ...]:
     """Return a warning where the tip of a recording that should begin at contact retreats before the load rises."""
     if not _retreats(r):
         return ()
-    retreat = _first_retreat(r.load, r.depth)
+    retreat = _first_retreat(r)
     return (f"the tip retreats by {retreat:.3g} nm after contact, before the load rises ({remedy})",)
 
 

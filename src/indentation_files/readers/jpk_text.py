@@ -17,8 +17,7 @@ from indentation_files.readers.lines import Lines
 from indentation_files.readers.numbers_in_text import number, table
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import SCALES, unit_of
-from indentation_files.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Reader, VendorTest, usable, vendor_test
 
 TITLE = "# TEXT EXPORT"
 FORCE = "vDeflection"
@@ -35,15 +34,7 @@ SPREAD = "the file holds no time: the points of each segment are spread evenly o
 
 @dataclass(frozen=True)
 class ExportedSegment:
-    """One segment of a force curve.
-
-    Parameters
-    ----------
-    facts
-        Entries of its header.
-    channels
-        Its columns, each with its unit.
-    """
+    """One segment of a force curve: the entries of its header, and its columns, each with its unit."""
 
     facts: dict[str, str]
     channels: dict[str, tuple[np.ndarray, str]]
@@ -62,14 +53,7 @@ class ExportedSegment:
 
     def stated(self, *names: str) -> float:
         """Return the first positive number that the header states under one of the names; zero without."""
-        for name in names:
-            try:
-                value = number(self.facts.get(name, ""))
-            except ValueError:
-                continue
-            if value > 0:
-                return value
-        return 0.0
+        return next((value for name in names if (value := number(self.facts.get(name, ""))) > 0), 0.0)
 
 
 def matches(source: Source) -> bool:
@@ -77,22 +61,20 @@ def matches(source: Source) -> bool:
     return source.first == TITLE
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+def read(source: Source) -> list[VendorTest]:
     """Read the one curve, with its approach; contact is not marked."""
-    refuse_corrections(source, corrections)
     channels, facts, messages = _curve(source)
-    kept, warnings = usable(source, "measured values", *channels)
+    kept, warnings = usable("measured values", *channels)
     since, load, way = (channel[kept] for channel in channels)
-    name = source.path.stem
-    recording = Recording(since - since[0], load, way - way[0], name, (f"from {source.path.name}",))
-    return [VendorTest(name, recording, facts, (*warnings, *messages), marked=False)]
+    channels = [since - since[0], load, way - way[0]]
+    return [vendor_test(source, source.path.stem, channels, facts, (*warnings, *messages))]
 
 
 def _curve(source: Source) -> tuple[list[np.ndarray], dict[str, str], tuple[str, ...]]:
     """Return time [s], load [mN] and depth [nm] of all segments, what the first states, and messages."""
-    segments = _segments(source)
+    segments = _segments(source.lines)
     if not segments:
-        raise InputError("holds no measured values", remedy="export the force curve again", file=source.path)
+        raise InputError("holds no measured values", remedy="export the force curve again")
     force = [_force(segment) for segment in segments]
     depth = [_depth(segment, load) for segment, load in zip(segments, force, strict=True)]
     time, messages = _time(segments)
@@ -104,16 +86,15 @@ def _curve(source: Source) -> tuple[list[np.ndarray], dict[str, str], tuple[str,
     return [np.concatenate(parts) for parts in (time, force, depth)], facts, messages
 
 
-def _segments(source: Source) -> list[ExportedSegment]:
+def _segments(lines: Lines) -> list[ExportedSegment]:
     """Return the segments that hold numbers."""
     found: list[ExportedSegment] = []
     facts: dict[str, str] = {}
     begin = 0
-    lines = source.lines
     headers = [(k, line) for k, line in lines.in_words() if line.startswith("#")]
     for k, line in [*headers, (len(lines), "#")]:
         if any(row.strip() for row in lines[begin:k]):
-            found.append(_segment(source, dict(facts), lines[begin:k], begin + 1))
+            found.append(_segment(dict(facts), lines[begin:k]))
         begin = k + 1
         key, colon, value = line[1:].partition(":")
         if colon:
@@ -121,15 +102,13 @@ def _segments(source: Source) -> list[ExportedSegment]:
     return found
 
 
-def _segment(source: Source, facts: dict[str, str], lines: Lines, first_line: int) -> ExportedSegment:
+def _segment(facts: dict[str, str], lines: Lines) -> ExportedSegment:
     """Return the segment in `lines`, below its header's entries."""
     names, units = (facts.get(key, "").split() for key in ("columns", "units"))
     if not names or len(names) != len(units):
-        raise InputError(
-            "its header does not name each column with a unit", remedy="export the force curve again",
-            file=source.path, place=f"line {first_line}",
-        )  # fmt: skip
-    values = table(lines, first_line, len(names), source.path, delimiter=" ")
+        problem = "its header does not name each column with a unit"
+        raise InputError(problem, remedy="export the force curve again", place=f"line {lines.first}")
+    values = table(lines, len(names), delimiter=" ")
     return ExportedSegment(facts, dict(zip(names, zip(values.T, units, strict=True), strict=True)))
 
 
@@ -155,10 +134,8 @@ def _depth(segment: ExportedSegment, load: np.ndarray) -> np.ndarray:
         return -segment.channel("depth", TIP)
     spring = segment.stated("springConstant")
     if not spring:
-        raise InputError(
-            "states no spring constant, so that the way of the tip is not known",
-            remedy=f"calibrate the cantilever, or export the column {TIP[0]} too",
-        )
+        problem = "states no spring constant, so that the way of the tip is not known"
+        raise InputError(problem, remedy=f"calibrate the cantilever, or export the column {TIP[0]} too")
     return -segment.channel("depth", HEIGHTS) - 1e6 * load / spring
 
 

@@ -11,13 +11,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from indentation_files.bounded_workbook import Workbook
-from indentation_files.errors import InputError
+from indentation_files.bounded_process import Workbook
 from indentation_files.readers import kla
-from indentation_files.readers.sheets_of_tests import MARKERS
+from indentation_files.readers.sheets_of_tests import MARKERS, names_among
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import unit_of
-from indentation_files.readers.vendor import Corrections, Reader, Unreadable, VendorTest, refuse_corrections
+from indentation_files.readers.vendor import Reader, VendorTest
 
 HEAD = 2  # rows of names and of units
 SEPARATORS = ",;\t"
@@ -46,8 +45,8 @@ def matches(source: Source) -> bool:
     if not any(marker in names for marker in MARKERS) and not set(names) >= RESULTS:
         return False
     units = dict(zip(names, head[1], strict=True))
-    found = {key: next((name for name in spellings if name in names), "") for key, spellings in kla.CHANNELS.items()}
-    return all(name and unit_of(key, units[name].strip()) for key, name in found.items())
+    found = names_among(names, kla.CHANNELS)
+    return bool(found) and all(unit_of(key, units[name].strip()) for key, name in found.items())
 
 
 def _rows(lines: Iterable[str]) -> list[list[str]]:
@@ -58,13 +57,9 @@ def _rows(lines: Iterable[str]) -> list[list[str]]:
     return rows if sign == "," else [[DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in row] for row in rows]
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest | Unreadable]:
+def read(source: Source) -> list[VendorTest]:
     """Read the one test."""
-    refuse_corrections(source, corrections)
-    try:
-        return [kla.test_on_sheet(AsSheet(source.path, source.stream), source.path.stem, {})]
-    except InputError as error:
-        raise error.located(file=source.path) from None
+    return [kla.test_on_sheet(AsSheet(source.path, source.stream), source.path.stem, {})]
 
 
 READER = Reader("kla_csv", "KLA CSV", matches, read)

@@ -33,11 +33,9 @@ def nothing_found(tables: Sequence[Table], columns: ColumnMap) -> InputError:
             remedy="export it again, or leave it out",
             file=tables[0].source.path,
         )
-    return InputError(
-        f"holds no table with numbers in the columns {_named(columns)}{_row_with_digits(tables, columns)}",
-        remedy=f"name columns of its header ({header_of(tables)}), or give their numbers from 1",
-        file=tables[0].source.path if tables else None,
-    )
+    problem = f"holds no table with numbers in the columns {_named(columns)}{_row_with_digits(tables, columns)}"
+    remedy = f"name columns of its header ({header_of(tables)}), or give their numbers from 1"
+    return InputError(problem, remedy=remedy, file=tables[0].source.path if tables else None)
 
 
 def left_out(table: Table, columns: ColumnMap) -> Unreadable | None:
@@ -49,7 +47,9 @@ def left_out(table: Table, columns: ColumnMap) -> Unreadable | None:
     named = any(not columns.names[key].isdecimal() for key in CHANNELS)
     if not (has_columns and named) and sum(_filled(row) >= len(CHANNELS) for row in table.rows) < 2:
         return None
-    error = _unsaved(table, columns) or (_empty(table, columns) if has_columns else _other_header(table, columns))
+    problem = f"holds no row of numbers in the columns {_named(columns)}{_row_with_digits([table], columns)}"
+    empty = InputError(problem, remedy="export it again, or name other columns for it", place=f"sheet {table.name}")
+    error = _unsaved(table, columns) or (empty if has_columns else _other_header(table, columns))
     return Unreadable(table.name, error.located(file=table.source.path), sought=False)
 
 
@@ -60,21 +60,9 @@ def _unsaved(table: Table, columns: ColumnMap) -> InputError | None:
         return None
     if all(_filled(row) == len(CHANNELS) for row in table.body(*found).rows):
         return None
-    return InputError(
-        f"the columns {_named(columns)} hold formulas without stored values",
-        remedy="open the workbook in a spreadsheet program and save it there first",
-        file=table.source.path,
-        place=f"sheet {table.name}",
-    )
-
-
-def _empty(table: Table, columns: ColumnMap) -> InputError:
-    """Return the error of a sheet that has the columns, and no row of numbers in them."""
-    return InputError(
-        f"holds no row of numbers in the columns {_named(columns)}{_row_with_digits([table], columns)}",
-        remedy="export it again, or name other columns for it",
-        place=f"sheet {table.name}",
-    )
+    problem = f"the columns {_named(columns)} hold formulas without stored values"
+    remedy = "open the workbook in a spreadsheet program and save it there first"
+    return InputError(problem, remedy=remedy, file=table.source.path, place=f"sheet {table.name}")
 
 
 def _other_header(table: Table, columns: ColumnMap) -> InputError:

@@ -25,20 +25,17 @@ KINDS = bytes(
 class Lines(Sequence[str]):
     """Lines of a text, whatever ends them.
 
-    Parameters
-    ----------
-    stream, encoding
-        The text's bytes; each byte that breaks a line is one in ASCII.
-    starts : ndarray, shape (n + 1,)
-        Where each line begins, and where the last one ends.
-    worded : ndarray
-        Numbers, from 0, of the lines that hold more than digits, signs and what parts numbers.
+    The text's bytes are in the `stream`; by its `encoding` each byte that breaks a line is one in ASCII. `starts` (n +
+    1,) says where each line begins, and where the last one ends. `worded` are the numbers, from 0, of the lines that
+    hold more than digits, signs and what parts numbers; `first` is that of the first line in the file, from 1, for
+    messages.
     """
 
     stream: BinaryIO
     encoding: str
     starts: np.ndarray
     worded: np.ndarray
+    first: int = 1
 
     @classmethod
     def of(cls, stream: BinaryIO, encoding: str, begin: int = 0, last: int = 0) -> Lines:
@@ -72,7 +69,8 @@ class Lines(Sequence[str]):
             first, last, _ = wanted.indices(len(self))
             last = max(first, last)
             among = slice(*np.searchsorted(self.worded, (first, last)))
-            return replace(self, starts=self.starts[first : last + 1], worded=self.worded[among] - first)
+            starts, worded = self.starts[first : last + 1], self.worded[among] - first
+            return replace(self, starts=starts, worded=worded, first=self.first + first)
         number = range(len(self))[wanted]
         return BREAK.sub("", self.written(number, number + 1).decode(self.encoding))
 

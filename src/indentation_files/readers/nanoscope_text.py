@@ -21,8 +21,7 @@ from indentation_files.readers.afm import BY_PIEZO
 from indentation_files.readers.numbers_in_text import column, table
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import scale, unit_of
-from indentation_files.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections, usable
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Reader, VendorTest, usable, vendor_test
 
 HEADING = re.compile(r"(\w+?)_(?:(Ex|Rt)_([^\W_]+)|([^\W_]+)_(Ex|Rt))")
 DIRECTIONS = ("Ex", "Rt")  # extension, retraction
@@ -61,30 +60,27 @@ def _columns(line: str) -> Columns:
     return found
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+def read(source: Source) -> list[VendorTest]:
     """Read the one curve, with its approach; contact is not marked."""
-    refuse_corrections(source, corrections)
     start = _header(source) or 0
     columns = _columns(source.lines[start])
     untimed = None if any(key[0] == TIME for key in columns) else source.lines[:start]
     since, pressed, depth = _joined(source, start, columns, untimed)
-    kept, warnings = usable(source, "measured values", since, pressed, depth)
+    kept, warnings = usable("measured values", since, pressed, depth)
     if not any(key[0] in (SEPARATION, HEIGHTS[0]) for key in columns):
         warnings = (*warnings, BY_PIEZO)
     if untimed is not None:
         warnings = (*warnings, SPREAD)
-    name, notes = source.path.stem, (f"from {source.path.name}",)
     first = kept[0]
-    recording = Recording(since[kept] - since[first], pressed[kept], depth[kept] - depth[first], name, notes)
-    return [VendorTest(name, recording, _facts(source.lines[:start]), warnings, marked=False)]
+    channels = since[kept] - since[first], pressed[kept], depth[kept] - depth[first]
+    return [vendor_test(source, source.path.stem, channels, _facts(source.lines[:start]), warnings)]
 
 
 def _joined(source: Source, start: int, columns: Columns, untimed: Sequence[str] | None) -> list[np.ndarray]:
     """Return time [s], load [mN] and depth [nm] below the line of headings, of one direction after the other."""
-    width = len(source.lines[start].rstrip().split("\t"))
-    values = table(source.lines[start + 1 :], start + 2, width, source.path)
+    values = table(source.lines[start + 1 :], len(source.lines[start].rstrip().split("\t")))
     ways = [way for way in DIRECTIONS if (DEFLECTION, way) in {key[::2] for key in columns}]
-    time, load, height, bent = zip(*(_segment(source, columns, values, way, untimed) for way in ways), strict=True)
+    time, load, height, bent = zip(*(_segment(columns, values, way, untimed) for way in ways), strict=True)
     if len(ways) > 1:
         _check_turn(*load)
         if time[1][0] <= time[0][-1]:  # a clock that the retraction begins anew goes on
@@ -92,9 +88,7 @@ def _joined(source: Source, start: int, columns: Columns, untimed: Sequence[str]
     return [np.concatenate(parts) for parts in (time, load, _depths(height, bent))]
 
 
-def _segment(
-    source: Source, columns: Columns, values: np.ndarray, way: str, untimed: Sequence[str] | None
-) -> tuple[np.ndarray, ...]:
+def _segment(columns: Columns, values: np.ndarray, way: str, untimed: Sequence[str] | None) -> tuple[np.ndarray, ...]:
     """Return, in the order of time, time [s], load [mN], separation or height, and what bends beside it [nm].
 
     They lie in the columns of `values` wherever these hold them. `untimed` is the header of a file without a column of
@@ -113,10 +107,10 @@ def _segment(
         needed = {f"{TIME}_s_{way}": time, f"{DEFLECTION}_pN_{way}": load}
         missing = [name for name, found in needed.items() if found is None]
         missing += [f"{SEPARATION}_nm_{way}"] if height is None or bent is None else []
-        raise InputError(f"its force curve lacks {', '.join(missing)}", remedy=REMEDY, file=source.path)
+        raise InputError(f"its force curve lacks {', '.join(missing)}", remedy=REMEDY)
     whole = np.flatnonzero(np.isfinite(time + load + height + bent))
     if len(whole) < 2:
-        raise InputError("holds no measured values", remedy="export the force curve again", file=source.path)
+        raise InputError("holds no measured values", remedy="export the force curve again")
     order = whole[np.argsort(time[whole], kind="stable")]
     for channel in (time, load, height, *([bent] if len(bent) > 1 else [])):
         channel[: len(order)] = channel[order]
@@ -175,10 +169,8 @@ def _check_turn(extended: np.ndarray, retracted: np.ndarray) -> None:
         ("retraction does not begin", retracted[-1], retracted[0], retracted.max()),
     ):
         if near < far + HALF * (largest - far):
-            raise InputError(
-                f"the {name} under load: its rows and its times run against each other",
-                remedy="export the force curve again, or the extension alone",
-            )
+            problem = f"the {name} under load: its rows and its times run against each other"
+            raise InputError(problem, remedy="export the force curve again, or the extension alone")
 
 
 def _facts(lines: Sequence[str]) -> dict[str, str]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
-from pathlib import Path
 
 import numpy as np
 
@@ -16,51 +16,33 @@ from indentation_files.readers.plain_numbers import plain_numbers
 
 
 def number(cell: str) -> float:
-    """Return the number in `cell`, written with a decimal comma or point; NaN for an empty cell and for "invalid"."""
-    cell = cell.strip()
-    value = float(cell.replace(",", ".")) if cell else float("nan")
-    return value if abs(value) <= LARGEST else float("nan")
+    """Return the number in `cell`, written with a decimal comma or point; NaN for no number and for "invalid"."""
+    try:
+        value = float(cell.strip().replace(",", "."))
+    except ValueError:
+        return math.nan
+    return value if abs(value) <= LARGEST else math.nan
 
 
-def require_tabs(headings: str, path: Path) -> None:
+def require_tabs(headings: str) -> None:
     """Raise `InputError` on a line of headings without tabs: another program has saved the vendor's file anew."""
     if "\t" not in headings:
-        raise InputError(
-            f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew",
-            remedy="export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)",
-            file=path,
-        )
+        remedy = "export it again with tabs, or name its columns (--columns time=...,load=...,depth=...)"
+        raise InputError(f"has no tabs between its columns {headings.strip()[:40]!r}: it was saved anew", remedy=remedy)
 
 
-def table(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str = "\t") -> np.ndarray:
-    """Return numbers (n, columns); NaN for empty cells and for "invalid"; blank lines are passed over.
+def table(lines: Lines, columns: int, delimiter: str = "\t") -> np.ndarray:
+    """Return the numbers (n, columns) in lines; NaN for empty cells and "invalid"; blank lines are passed over.
 
-    The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``.
-
-    Parameters
-    ----------
-    lines
-        Lines of text.
-    columns
-        Number of columns.
-    path
-        The file, for messages.
-    first_line
-        Number of the first of `lines` in the file, for messages.
-    delimiter
-        What parts the cells; a blank means any number of blanks and tabs.
-
-    Raises
-    ------
-    InputError
-        When a cell is no number, a row is too short, there is none, or a point and a comma are equally likely to be the
-        decimal sign.
+    The table has one decimal sign, as `numbers` finds it; the other one may part thousands: ``1,001.9436``. A blank as
+    the `delimiter` of cells means any number of blanks and tabs. Raises `InputError` when a cell is no number, a row is
+    too short, there is none, or a point and a comma are equally likely to be the decimal sign.
     """
     found = plain_numbers(lines, delimiter)
     if found and len(found[0]) >= columns:
         values = found[0].T
     else:
-        values = _one_by_one(lines, first_line, columns, path, delimiter)
+        values = _one_by_one(lines, columns, delimiter)
     values[~np.isfinite(values)] = np.nan
     return values[:, :columns]
 
@@ -72,11 +54,11 @@ def column(values: np.ndarray, place: int, factor: float) -> np.ndarray:
     return found
 
 
-def _one_by_one(lines: Lines, first_line: int, columns: int, path: Path, delimiter: str) -> np.ndarray:
+def _one_by_one(lines: Lines, columns: int, delimiter: str) -> np.ndarray:
     """Return the numbers of a `table`, infinite for empty cells and for "invalid"."""
-    filled = {f"line {place}": line for place, line in enumerate(lines.one_by_one(), first_line) if line.strip()}
+    filled = {f"line {place}": line for place, line in enumerate(lines.one_by_one(), lines.first) if line.strip()}
     if not filled:
-        raise InputError("holds no measured values", remedy="export the test again", file=path)
+        raise InputError("holds no measured values", remedy="export the test again")
     rows = [line.split(None if delimiter == " " else delimiter)[:columns] for line in filled.values()]
     places = list(filled)
     short = next((k for k, row in enumerate(rows) if len(row) < columns), len(rows))
@@ -85,31 +67,19 @@ def _one_by_one(lines: Lines, first_line: int, columns: int, path: Path, delimit
     if short < len(rows) and any(map(is_word, rows[short])):
         words.append(short)
     if words:
-        raise InputError(
-            f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers",
-            remedy="export each test to a file of its own, or name its columns (--columns time=...,load=...,depth=...)",
-            file=path,
-            place=places[words[0]],
-        )
+        problem = f"{filled[places[words[0]]].strip()[:40]!r} is not a row of numbers"
+        remedy = "export each test to a file of its own, or name its columns (--columns time=...,load=...,depth=...)"
+        raise InputError(problem, remedy=remedy, place=places[words[0]])
     if short < len(rows):
-        raise InputError(
-            f"{len(rows[short])} columns where {columns} were announced; the file is cut off",
-            remedy="export the test again",
-            file=path,
-            place=places[short],
-        )
+        problem = f"{len(rows[short])} columns where {columns} were announced; the file is cut off"
+        raise InputError(problem, remedy="export the test again", place=places[short])
     return values
 
 
-def refuse_unlike(headings: str, known: Callable[[str], Iterable[str]], values: np.ndarray, path: Path) -> None:
+def refuse_unlike(headings: str, known: Callable[[str], Iterable[str]], values: np.ndarray) -> None:
     """Raise `InputError` where a line of headings names one channel twice, with other `values` (n, k) below.
 
-    Parameters
-    ----------
-    headings, path
-        See `require_tabs`.
-    known
-        The channel that a heading names; empty for another.
+    `known` gives the channel that a heading names; empty for another.
     """
     first: dict[str, int] = {}
     cells = headings.rstrip().split("\t")
@@ -118,38 +88,24 @@ def refuse_unlike(headings: str, known: Callable[[str], Iterable[str]], values: 
             before = first.setdefault(channel, k)
             if not np.array_equal(values[:, before], values[:, k], equal_nan=True):
                 names = [" ".join(cell.split()) for cell in (cells[before], heading)]
-                raise several_of(" or ".join(dict.fromkeys(names)), path)
+                raise several_of(" or ".join(dict.fromkeys(names)))
 
 
-def several_of(name: str, path: Path) -> InputError:
+def several_of(name: str) -> InputError:
     """Return the error of a file in which several columns with different numbers have the same name."""
     remedy = "give the columns by their numbers, from 1 (--columns time=...,load=...,depth=...)"
-    return InputError(f"several columns are called {name!r}", remedy=remedy, file=path)
+    return InputError(f"several columns are called {name!r}", remedy=remedy)
 
 
-def counted(lines: Lines, first_line: int, columns: int, path: Path, announced: str) -> np.ndarray:
-    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``.
-
-    Parameters
-    ----------
-    lines, first_line, columns, path
-        See `table`.
-    announced
-        Number of rows that the header announces, as text.
-    """
+def counted(lines: Lines, columns: int, announced: str) -> np.ndarray:
+    """Return a `table` that has as many rows as the file's header announces, as ``5304`` or ``5,304``."""
     count = re.sub(r"(?<=\d)[,.](?=\d{3})", "", announced.strip())
     if not count.isdecimal():
-        raise InputError(
-            f"announces {announced.strip()[:40]!r} points, expected a whole number",
-            remedy="copy or export it again",
-            file=path,
-        )
-    values = table(lines, first_line, columns, path)
+        problem = f"announces {announced.strip()[:40]!r} points, expected a whole number"
+        raise InputError(problem, remedy="copy or export it again")
+    values = table(lines, columns)
     if len(values) != int(count):
         odd = "the file is cut off" if len(values) < int(count) else "more than one test may be in it"
-        raise InputError(
-            f"holds {len(values)} points, {int(count)} were announced; {odd}",
-            remedy="copy or export it again",
-            file=path,
-        )
+        problem = f"holds {len(values)} points, {int(count)} were announced; {odd}"
+        raise InputError(problem, remedy="copy or export it again")
     return values

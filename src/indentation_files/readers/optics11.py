@@ -16,15 +16,7 @@ import numpy as np
 from indentation_files.readers.numbers_in_text import column, refuse_unlike, table
 from indentation_files.readers.source import Source
 from indentation_files.readers.units import scale
-from indentation_files.readers.vendor import (
-    Corrections,
-    Reader,
-    VendorTest,
-    refuse_corrections,
-    unfinished,
-    usable,
-)
-from indentation_files.recording import Recording
+from indentation_files.readers.vendor import Reader, VendorTest, unfinished, usable, vendor_test
 
 COLUMNS = {"Time": "time", "Load": "load", "Indentation": "depth", "Cantilever": "depth", "Piezo": "depth"}
 HEADING = re.compile(r"\s*(\w+)\s*[(\[](.+)[)\]]\s*")
@@ -50,23 +42,22 @@ def columns(line: str) -> dict[str, tuple[int, str]]:
     return {found[1].capitalize(): (place, found[2]) for place, found in headings if found}
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+def read(source: Source) -> list[VendorTest]:
     """Read the one test; time is counted from the instrument's contact, load from what the cantilever shows there."""
-    refuse_corrections(source, corrections)
-    lines, path = source.lines, source.path
+    lines = source.lines
     start, places = next(_headings(source))
-    values = table(lines[start + 1 :], start + 2, len(lines[start].rstrip().split("\t")), path)
-    refuse_unlike(lines[start], columns, values, path)
+    values = table(lines[start + 1 :], len(lines[start].rstrip().split("\t")))
+    refuse_unlike(lines[start], columns, values)
     channels = [column(values, places[name][0], scale(key, places[name][1])) for name, key in COLUMNS.items()]
-    kept, warnings = usable(source, "measured values", *channels)
+    kept, warnings = usable("measured values", *channels)
     time, load, indentation, cantilever, piezo = (channel[kept] for channel in channels)
     depth = piezo - cantilever
-    marked = _marked(indentation)
-    begin, zero = _contact(indentation, depth) if marked else (0, float(depth[0]))
-    free = float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
-    recording = Recording(time - time[begin], load - free, depth - zero, path.stem, (f"from {path.name}",))
-    warnings = (*warnings, *unfinished(recording.load))
-    return [VendorTest(path.stem, recording, metadata(lines[:start]), warnings, marked)]
+    begin, zero, marked = 0, float(depth[0]), _marked(indentation)
+    if marked:
+        begin, zero = _last_free(indentation), float(np.median((depth - indentation)[indentation > 0]))
+    load = load - float(np.median(load[max(begin - LEVEL, 0) : begin + 1]))
+    channels, facts = [time - time[begin], load, depth - zero], metadata(lines[:start])
+    return [vendor_test(source, source.path.stem, channels, facts, (*warnings, *unfinished(load)), marked=marked)]
 
 
 def _marked(indentation: np.ndarray) -> bool:
@@ -83,11 +74,6 @@ def _last_free(indentation: np.ndarray) -> int:
     """Return the last point that is not pressed before the tip goes deep."""
     deep = int(np.argmax(indentation > DEEP * indentation.max()))
     return max([0, *np.flatnonzero(indentation[:deep] <= 0)])
-
-
-def _contact(indentation: np.ndarray, depth: np.ndarray) -> tuple[int, float]:
-    """Return the last point before the instrument's contact, and the depth there [nm]."""
-    return _last_free(indentation), float(np.median((depth - indentation)[indentation > 0]))
 
 
 def metadata(lines: Iterable[str]) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from indentation_files.readers.source import Source
-from indentation_files.readers.vendor import Corrections, Reader, VendorTest, refuse_corrections
+from indentation_files.readers.vendor import Reader, VendorTest
 from indentation_files.recording import HEADER, WITH_STIFFNESS
 from indentation_files.recording_file import recording_in, with_stiffness_beside
 
@@ -14,9 +14,8 @@ def matches(source: Source) -> bool:
     return next(body, "") in (HEADER, WITH_STIFFNESS)
 
 
-def read(source: Source, corrections: Corrections) -> list[VendorTest]:
+def read(source: Source) -> list[VendorTest]:
     """Read the recording, and its stiffness if that lies beside; there is nothing to leave off in it."""
-    refuse_corrections(source, corrections)
     recording = with_stiffness_beside(recording_in(source.lines.one_by_one(), source.path), source.path)
     return [VendorTest(recording.name, recording)]
 

@@ -28,14 +28,9 @@ def plain_numbers(lines: Lines, delimiter: str, room: tuple[int, int] = (0, 0)) 
     """Return the numbers (k, n) of many lines of k cells, infinite where one is empty or invalid, and the decimal sign.
 
     The sign is empty where no cell needs one. None where a line holds anything else, or other than k cells, where
-    nothing shows the decimal sign, or of a few lines. Empty lines are passed over.
-
-    Parameters
-    ----------
-    delimiter
-        What parts the cells; a blank means any number of blanks and tabs.
-    room
-        Of how many rows, before and after, the numbers are infinite for others to fill in.
+    nothing shows the decimal sign, or of a few lines. Empty lines are passed over. A blank as the `delimiter` means any
+    number of blanks and tabs. For as many rows as `room` has before and after, numbers are infinite for others to fill
+    in.
     """
     if not is_long(lines):
         return None

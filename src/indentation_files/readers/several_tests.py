@@ -25,16 +25,9 @@ Channels = Sequence[np.ndarray]  # the time first, each of shape (n,)
 class Part:
     """The rows of one test.
 
-    Parameters
-    ----------
-    rows
-        Their numbers in the table.
-    channels
-        Time, load and depth; time goes on over segments.
-    idle : ndarray of bool, shape (n,)
-        Rows that are no damage and hold nothing new: written twice, or zeros at the end.
-    messages
-        What is reported to the user.
+    `rows` are their numbers in the table, `channels` time, load and depth; time goes on over segments. `idle` (n,)
+    marks rows that are no damage and hold nothing new: written twice, or zeros at the end. The `messages` are for the
+    user.
     """
 
     rows: range
@@ -46,12 +39,7 @@ class Part:
 def parted(channels: Channels, broken: np.ndarray, place: Callable[..., str]) -> list[Part]:
     """Return the tests in the `channels` of a table, which are not finite where a row holds no number.
 
-    Parameters
-    ----------
-    broken : ndarray of bool, shape (n,)
-        Whether a blank row or a repeated header comes before a row.
-    place
-        Where rows are in the file, for messages.
+    `broken` (n,) says whether a blank row or a repeated header comes before a row, `place` where rows are in the file.
     """
     time, *others = channels
     idle = written_twice(channels) | padding(channels)
@@ -137,11 +125,12 @@ def without_stand_ins(channels: Channels) -> list[np.ndarray]:
             found[k] = channel = channel.copy()
             channel[dropped] = np.inf
         finite = np.isfinite(channel)
-        for code in set(_extremes(taken(channel, finite))) if finite.any() else ():
+        some = taken(channel, finite)
+        for code in {float(some.min()), float(some.max())} if len(some) else ():
             others = finite & (channel != code)
             if others.sum() < max(VARIED, (1 - FEW) * finite.sum()):
                 continue
-            least, largest = _extremes(taken(channel, others))
+            least, largest = taken(channel, others).min(), taken(channel, others).max()
             if min(abs(least - code), abs(largest - code)) <= largest - least:
                 continue
             if len(np.unique(channel[others])) >= VARIED:
@@ -164,18 +153,13 @@ def _dropped_out(channel: np.ndarray, other: np.ndarray) -> np.ndarray:
     before, after = channel[zeros - 1], channel[zeros + 1]
     spans = [np.ptp(values[np.isfinite(values)]) for values in (channel, other)]
     pressed = np.isfinite(other[zeros]) & (np.abs(other[zeros]) > SAME * spans[1])
-    near = np.abs(after - before) <= np.abs(before) / TWICE
     far = (np.abs(before) > LIKE * spans[0]) & np.isfinite(before + after)
     with np.errstate(invalid="ignore"):
+        near = np.abs(after - before) <= np.abs(before) / TWICE
         for beside, away in ((before, -2), (after, 2)):
             beyond = channel[np.clip(zeros + away, 0, len(channel) - 1)]
             far &= ~(np.abs(2 * beside - beyond) < np.abs(beside) / TWICE)
     return zeros[pressed & near & far]
-
-
-def _extremes(values: np.ndarray) -> tuple[float, float]:
-    """Return the least and the largest of some values (n,)."""
-    return float(values.min()), float(values.max())
 
 
 def padding(channels: Channels) -> np.ndarray:
@@ -197,7 +181,7 @@ def padding(channels: Channels) -> np.ndarray:
         rows = np.flatnonzero(filled)[[last - 1, last]]
         for channel in channels[1:]:
             before, end = np.abs(channel[rows])
-            largest = max(map(abs, _extremes(taken(channel, filled))))
+            largest = max(-taken(channel, filled).min(), taken(channel, filled).max())
             zero[last + 1 :] |= end > max(SAME * largest, TWICE * abs(end - before))
     padded[filled] = zero
     return padded

@@ -15,7 +15,7 @@ from indentation_files.readers.headings import BRACKETED, is_word
 from indentation_files.readers.numbers_in_text import several_of
 from indentation_files.readers.source import Source, number_of
 from indentation_files.readers.units import SCALES, STIFFNESS, plain, unit_of
-from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report, unless_all_fail
+from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report
 
 MARKERS = ("markers", "marker", "segment")
 SURFACE = "surface"
@@ -32,7 +32,7 @@ def tests_of(source: Source) -> dict[str, str]:
 def read_sheets(
     source: Source,
     facts: Mapping[str, Mapping[str, str]],
-    holds_channels: Callable[[Source, str], object],
+    channels: Mapping[str, Sequence[str]],
     read: Callable[..., VendorTest],
     *given: object,
 ) -> list[VendorTest | Unreadable]:
@@ -40,16 +40,9 @@ def read_sheets(
 
     The latter may be averages or a test that was renamed: they are left out, with a reason, unless somebody names them.
 
-    Parameters
-    ----------
-    source
-        The workbook.
-    facts
-        What it says of each test, by the number of the test.
-    holds_channels
-        Whether a sheet has the columns of a test.
-    read
-        Reads a sheet: called with the workbook, the sheet's name, what is said of the test, and all that is `given`.
+    `facts` are what the workbook, `source`, says of each test, by the number of the test. A test has the columns
+    `channels`, of these spellings. `read` is called with the workbook, a sheet's name, what is said of the test, and
+    all that is `given`.
     """
     numbered = tests_of(source)
     tests = [
@@ -57,24 +50,23 @@ def read_sheets(
         for sheet, number in numbered.items()
     ]
     for sheet in (sheet for sheet in source.sheets if sheet not in numbered):
-        found = read_or_report(source.path, sheet, holds_channels, source, sheet)
-        if not found:
-            continue
-        test = (
-            found
-            if isinstance(found, Unreadable)
-            else read_or_report(source.path, sheet, read, source, sheet, {}, *given)
-        )
-        reason = "the sheet holds the columns of a test, and is not called 'Test' with a number"
-        tests.append(replace(test, sought=False) if isinstance(test, Unreadable) else replace(test, uncounted=reason))
-    return unless_all_fail(tests)
+        found: object = read_or_report(source.path, sheet, names_of, source, sheet, channels)
+        if isinstance(found, dict) and found:
+            found = read_or_report(source.path, sheet, read, source, sheet, {}, *given)
+        if isinstance(found, VendorTest):
+            reason = "the sheet holds the columns of a test, and is not called 'Test' with a number"
+            tests.append(replace(found, uncounted=reason))
+        elif isinstance(found, Unreadable):
+            tests.append(replace(found, sought=False))
+    return tests
 
 
 def headings_of(source: Source, sheet: str) -> dict[str, int]:
     """Return the columns of a sheet by their names in small letters, without units: ``load`` for ``LOAD (mN)``."""
     found: dict[str, int] = {}
     for index, cell in enumerate([*source.sheet(sheet)[:1], []][0]):
-        found.setdefault(_name(cell), index)
+        name = re.sub(r"[_\s]+", " ", BRACKETED.sub(" ", plain(str(cell))))
+        found.setdefault(" ".join(name.casefold().split()), index)
     return found
 
 
@@ -83,45 +75,49 @@ def first_of(names: Collection[str], spellings: Sequence[str]) -> str | None:
     return next((spelling for spelling in spellings if spelling in names), None)
 
 
+def names_among(names: Collection[str], channels: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return the name of each of the channels, by their spellings, that is among the names; empty where one lacks."""
+    found = {key: name for key, spellings in channels.items() if (name := first_of(names, spellings))}
+    return found if len(found) == len(channels) else {}
+
+
+def names_of(source: Source, sheet: str, channels: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Return what a sheet calls its channels; empty where it lacks one."""
+    return names_among(headings_of(source, sheet), channels)
+
+
+def values_of(source: Source, sheet: str, channels: Mapping[str, Sequence[str]]) -> dict[str, np.ndarray]:
+    """Return the channels of a sheet by their keys, as `channel` does, which refuses a sheet that lacks one."""
+    names = names_of(source, sheet, channels) or {key: spellings[0] for key, spellings in channels.items()}
+    return {key: channel(source, sheet, name, key) for key, name in names.items()}
+
+
 def channel(source: Source, sheet: str, name: str, quantity: str) -> np.ndarray:
     """Return a column (n,) of a sheet in s, nm, mN or N/m, be its cells numbers or text.
 
-    Empty cells, words and the 1.8e308 that means "invalid" are NaN.
-
-    Parameters
-    ----------
-    source, sheet
-        The workbook, and the name of the sheet.
-    name
-        As `headings_of` gives it.
-    quantity
-        What it holds: ``time``, ``load``, ``depth`` or ``stiffness``.
-
-    Raises
-    ------
-    InputError
-        When the column is missing or has a unit that is none of what it holds.
+    Empty cells, words and the 1.8e308 that means "invalid" are NaN. The `sheet` of the workbook `source` and the
+    column's `name`, as `headings_of` gives it, say which; the `quantity` is ``time``, ``load``, ``depth`` or
+    ``stiffness``. Raises `InputError` when the column is missing or has a unit that is none of what it holds.
     """
     first, rows = source.placed_sheet(sheet)
     index = headings_of(source, sheet).get(name)
     start = 1 + has_row_of_units(source, sheet)
     if index is None or len(rows) < start + 1:
-        raise InputError(
-            f"lacks the column {name!r} or its values", remedy="export it too", file=source.path,
-            place=f"sheet {sheet}",
-        )  # fmt: skip
+        problem = f"lacks the column {name!r} or its values"
+        raise InputError(problem, remedy="export it too", place=f"sheet {sheet}")
     stated, known = stated_unit(source, sheet, name), SCALES.get(quantity, STIFFNESS)
     unit = unit_of(quantity, stated) if quantity in SCALES else stated
     if unit not in known:
         called = BRACKETED.sub("", plain(str(rows[0][index]))).strip()
         raise InputError(
             f"{called} is in {stated!r}" if stated else f"states no unit of {called}, in brackets or in its second row",
-            remedy=f"export it in one of: {', '.join(known)}", file=source.path, place=f"sheet {sheet}",
-        )  # fmt: skip
+            remedy=f"export it in one of: {', '.join(known)}",
+            place=f"sheet {sheet}",
+        )
     alike = [[row[k] for row in rows[:start]] for k in range(len(rows[0]))]
     twice = [k for k, heading in enumerate(alike) if k != index and heading == alike[index]]
     if any(row[k] != row[index] for row in rows[start:] for k in twice):
-        raise several_of(str(rows[0][index]), source.path)
+        raise several_of(str(rows[0][index]))
     cells = [[row[index]] for row in rows[start:]]
     (values,) = numbers(cells, lambda row: f"sheet {sheet}, row {first + start + row}").T
     return known[unit] * np.where(np.isfinite(values), values, np.nan)
@@ -159,16 +155,8 @@ def evaluated(source: Source, sheet: str, kept: np.ndarray, load: np.ndarray) ->
     """Return what a test's own columns of modulus and hardness say, as the results of a test are stated.
 
     It is the value in the row of the largest load, or else the median of those in the upper half of the loading, where
-    a continuous stiffness gives one in each row.
-
-    Parameters
-    ----------
-    source, sheet
-        The workbook, and the name of the sheet.
-    kept : ndarray, shape (n,)
-        Rows of numbers that make the test, from 0.
-    load : ndarray, shape (n,)
-        Its load [mN].
+    a continuous stiffness gives one in each row. Of the `sheet` of the workbook `source` the rows of numbers `kept`
+    (n,), from 0, make the test, under a `load` (n,) [mN].
     """
     facts: dict[str, str] = {}
     rows = source.sheet(sheet)[1 + has_row_of_units(source, sheet) :]
@@ -213,10 +201,6 @@ def facts_of(source: Source, sheets: Sequence[str]) -> dict[str, dict[str, str]]
                     if name and _text(cell)
                 )
     return facts
-
-
-def _name(cell: Any) -> str:
-    return " ".join(re.sub(r"[_\s]+", " ", BRACKETED.sub(" ", plain(str(cell)))).casefold().split())
 
 
 def _headings(cells: Sequence[Any]) -> list[str]:

@@ -14,7 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from indentation_files.bounded_workbook import Workbook, read_workbook
+from indentation_files.bounded_process import Workbook, read_workbook
 from indentation_files.errors import InputError
 from indentation_files.readers.lines import BLOCK, Lines, piece
 
@@ -32,15 +32,7 @@ WIDEST = (codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)  # the first begins as UTF-1
 
 @dataclass(frozen=True)
 class Source:
-    """A vendor's file.
-
-    Parameters
-    ----------
-    path
-        Where it lies; its ending means nothing.
-    stream
-        Its bytes, open for reading.
-    """
+    """A vendor's file: where it lies, whose ending means nothing, and its bytes, open for reading."""
 
     path: Path
     stream: BinaryIO = field(repr=False)

@@ -1,4 +1,7 @@
-"""The rows of time, load and depth in a table: what is above them, their numbers, and how they divide into tests."""
+"""The rows of time, load and depth in a table: what is above them, their numbers, and how they divide into tests.
+
+The last row may be no point of a test: totals of the columns, or a number that is cut off.
+"""
 
 from __future__ import annotations
 
@@ -14,36 +17,26 @@ from indentation_files.readers.clock import seconds
 from indentation_files.readers.column_map import ColumnMap, columns_of
 from indentation_files.readers.decimals import numbers
 from indentation_files.readers.headings import is_row_of_units, is_word
-from indentation_files.readers.last_row import without_odd_end
 from indentation_files.readers.several_tests import Channels, Part, parted, whole, without_stand_ins
 from indentation_files.readers.tables import Table
+
+JUMP = 5.0  # of the largest of the steps before, chosen: no point of a test follows so far from the last
+BEFORE = 5  # steps before the last row that show how far a channel goes in one
+LOOKED_AT = 1000  # rows at the end, among which these are
 
 
 @dataclass(frozen=True)
 class TableBody:
     """A table's rows of time, load and depth.
 
-    Parameters
-    ----------
-    table
-        The whole table.
-    places
-        Of the three columns in its rows.
-    cells
-        Its cells of the three columns, below the header where the columns are given by their names.
-    named, header
-        The row in the table that holds the columns' names, and the header's: the former, or, where the columns are
-        given by their numbers, the first row of words above the numbers. None where there is none.
-    above
-        The cells for time, load and depth in the rows before the first number.
-    channels
-        The numbers in the cells: NaN for text, infinite for an empty or invalid cell.
-    repeated, broken : ndarray of bool, shape (n,)
-        Whether a row is the header again, and whether that or a blank row comes before it.
-    of_clock
-        Whether the times are read off a clock, in seconds.
-    messages
-        What is reported to the user about that, and about the last row.
+    `places` are those of the three columns in the rows of the whole `table`, `cells` its cells of these, below the
+    header where the columns are given by their names. `named` is the row that holds these names; `header` the same, or,
+    where the columns are given by their numbers, the first row of words above the numbers. None where there is none.
+    `above` are the cells in the rows before the first number.
+
+    `channels` are the numbers in the cells: NaN for text, infinite for an empty or invalid cell. `repeated` (n,) says
+    whether a row is the header again, `broken` (n,) whether that or a blank row comes before it. `of_clock` says
+    whether the times are read off a clock, in seconds; the `messages` are on that, and on the last row.
     """
 
     table: Table
@@ -74,13 +67,13 @@ def body_of(table: Table, columns: ColumnMap) -> TableBody | None:
     shown, messages = seconds([aside[k][0] for k in numeric], heading)
     clock = dict(zip(numeric, shown, strict=True))
     channels = _channels(cells, {k: [clock.get(k, time), *others] for k, (time, *others) in aside.items()})
-    channels, at_end = without_odd_end(without_stand_ins(channels), cells)
+    channels, at_end = _without_odd_end(without_stand_ins(channels), cells)
     filled = whole(channels)
     if not filled.any():
         return None
     first = int(np.argmax(filled))
     above = words_of(table.body(None, found[1]).rows[: first + len(table.rows) - len(cells.rows)])
-    header = row_of_names(above) if found[0] is None else found[0]
+    header = next((k for k, row in enumerate(above) if _is_header(row)), None) if found[0] is None else found[0]
     rows = table.rows[-len(cells.rows) :]
     repeated, blank = np.zeros(len(rows), dtype=bool), np.append(False, np.diff(cells.numbers) > 1)
     for k in aside:
@@ -118,17 +111,10 @@ def parts_of(body: TableBody) -> list[Part]:
             if (_is_header(row) and not body.repeated[k]) or (is_row_of_units(row) and row not in body.above)
         ]
         if others:
-            raise InputError(
-                f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are no names and units of the test before",
-                remedy="write each of several tests to a file of its own",
-                place=body.cells.place(others[0]),
-            )
+            problem = f"{', '.join(map(str, body.cells.rows[others[0]]))!r} are no names and units of the test before"
+            remedy = "write each of several tests to a file of its own"
+            raise InputError(problem, remedy=remedy, place=body.cells.place(others[0]))
     return parts
-
-
-def row_of_names(above: Sequence[Sequence[str]]) -> int | None:
-    """Return the first row of three words that are no units: the header of columns that are given by their numbers."""
-    return next((k for k, row in enumerate(above) if _is_header(row)), None)
 
 
 def _is_header(row: Sequence[str]) -> bool:
@@ -145,3 +131,52 @@ def is_numeric(row: Sequence[Any], indices: Iterable[int]) -> bool:
 def words_of(rows: Sequence[Sequence[Any]]) -> list[list[str]]:
     """Return the cells of rows as text without blanks around it."""
     return [[str(cell).strip() for cell in row] for row in rows]
+
+
+def _without_odd_end(channels: Channels, cells: Table) -> tuple[list[np.ndarray], tuple[str, ...]]:
+    """Return channels (n,) without a last row that is no point, and what is said of it.
+
+    That is one whose load and depth both lie farther from all others than these from one another, under a time that
+    jumps, as the sums of the columns do; and one in which a text breaks off within a number. The channels are time,
+    load and depth, `cells` their cells in the table.
+    """
+    filled = whole(channels)
+    rows = max(len(filled) - LOOKED_AT, 0) + np.flatnonzero(filled[-LOOKED_AT:])[-BEFORE - 2 :]
+    if len(rows) <= BEFORE + 1:
+        return list(channels), ()
+    values = np.array([channel[rows] for channel in channels])
+    steps = np.abs(np.diff(values))
+    jumps = steps[:, -1] > JUMP * steps[:, :-1].max(axis=1)
+    last = int(rows[-1])
+    if jumps.all() and all(_beyond(channel[filled]) for channel in channels[1:]):
+        reason = "lies far beyond all others, as totals do"
+    elif jumps.any() and _breaks_off(cells, last, jumps):
+        reason = "ends within a number: the file is cut off"
+    else:
+        return list(channels), ()
+    found = [channel.copy() for channel in channels]
+    for channel in found:
+        channel[last] = np.inf
+    return found, (f"the last row ({cells.place(last)}) {reason}; it is left out",)
+
+
+def _beyond(values: np.ndarray) -> bool:
+    """Return whether the last of some values (n,) lies farther from the others than these from one another."""
+    least, largest = values[:-1].min(), values[:-1].max()
+    return bool(max(least - values[-1], values[-1] - largest) > largest - least)
+
+
+def _breaks_off(cells: Table, last: int, jumps: Sequence[bool] | np.ndarray) -> bool:
+    """Return whether a text ends in a row, without a line's end, in a number that is shorter than the one before.
+
+    Of time, load and depth those count that jump there.
+    """
+    lines = cells.source.lines
+    if not len(lines) or cells.numbers[last] != len(lines):
+        return False
+    end = lines[len(lines) - 1].rstrip()
+    before, here = ([str(cell).strip() for cell in cells.rows[row]] for row in (last - 1, last))
+    return any(
+        jump and end.endswith(cell) and len(cell) < len(earlier)
+        for jump, earlier, cell in zip(jumps, before, here, strict=True)
+    )

@@ -15,7 +15,7 @@ import numpy as np
 from indentation_files.readers.decimals import PARTING
 from indentation_files.readers.plain_numbers import is_long, plain_numbers
 from indentation_files.readers.source import Source
-from indentation_files.readers.vendor import first_few
+from indentation_files.sentences import first_few
 
 DELIMITERS = ("\t", ";", "|", ",")
 WORD = re.compile(r"[^\W\d_]")
@@ -31,16 +31,10 @@ NAME_WITH_UNIT = re.compile(r"\S+(?: +[(\[][^\d()\[\]]+[)\]](?!\S))?")
 
 @dataclass(frozen=True, eq=False)
 class Core:
-    """Rows of a table that are nothing but numbers.
+    """Rows of a table that are nothing but numbers, from the `first` up to the `end`.
 
-    Parameters
-    ----------
-    first, end
-        The first of them, and the row after the last.
-    columns
-        The table's columns (n,), with room for the rows beside; infinite there and where a cell is empty or invalid.
-    sign
-        The decimal sign; empty where no cell needs one.
+    `columns` are the table's (n,), with room for the rows beside; infinite there and where a cell is empty or invalid.
+    `sign` is the decimal sign; empty where no cell needs one.
     """
 
     first: int
@@ -57,15 +51,7 @@ class Core:
 
 @dataclass(frozen=True)
 class OnDemand(Sequence[Any]):
-    """Items of a sequence, made when they are asked for.
-
-    Parameters
-    ----------
-    length
-        How many there are.
-    make
-        Returns the item of a number.
-    """
+    """Items of a sequence of a `length`; `make` returns that of a number when it is asked for."""
 
     length: int
     make: Callable[[int], Any]
@@ -82,16 +68,10 @@ class OnDemand(Sequence[Any]):
 class Table:
     """Rows of cells, and where they are.
 
-    Parameters
-    ----------
-    source, name
-        The file, and the table's name: its sheet's, or the file's own.
-    rows, numbers
-        Cells, as text or as a workbook's values, and the number of each row in the file or the sheet.
-    delimiter
-        What parts the cells of a text, where a blank means any number of them; None in a workbook.
-    core
-        The longest run of rows of nothing but numbers in a long text; None in another table.
+    `source` is the file, `name` the sheet's, or the file's own. `rows` are cells, as text or as a workbook's values,
+    `numbers` those of the rows in the file or the sheet. The `delimiter` parts the cells of a text, where a blank means
+    any number of them; None in a workbook. `core` is the longest run of rows of nothing but numbers in a long text;
+    None in another table.
     """
 
     source: Source

@@ -18,7 +18,7 @@ from indentation_files.errors import InputError
 from indentation_files.readers.source import TEST, Source, number_of
 from indentation_files.readers.units import CHANNELS
 from indentation_files.readers.vendor import Unreadable, VendorTest
-from indentation_files.recording import COMPARED, Recording
+from indentation_files.recording import COMPARED, Recording, last_digit
 
 TAGGED = re.compile(
     r"(?<![^\W_])(?:tagged|excluded|rejected|discarded|omitted|ignored|aborted|invalid|bad)(?![^\W_])", re.IGNORECASE
@@ -38,8 +38,6 @@ AVERAGED = re.compile(
 )
 ALIKE = 1e-3  # of a channel's range, chosen: the mean of rounded and interpolated curves is as near the others' mean
 UNLIKE = 0.03  # of the others' scatter about their mean, chosen: a replicate is seldom as near, in load and depth
-PLACES = range(-6, 13)  # decimal places of a number
-ROUNDING = 1e-9  # of a channel's range: what a computer adds to a number of few digits
 APART = 5.0  # times ALIKE, chosen: by which some of the others lie off their mean
 
 
@@ -95,16 +93,10 @@ def _is_mean(curve: Recording, others: Sequence[Recording]) -> bool:
         mean, span = np.mean(values[1:], axis=0), float(np.ptp(values[0]))
         scatter = float(np.sqrt(np.mean((np.array(values[1:]) - mean) ** 2)))
         off = float(np.sqrt(np.mean((values[0] - mean) ** 2)))
-        exact &= off <= min(ALIKE * span, _digit(getattr(curve, key)))
+        exact &= off <= min(ALIKE * span, last_digit(getattr(curve, key)))
         near &= off <= min(ALIKE * span, UNLIKE * scatter)
         apart.append(max(float(np.abs(each - mean).max()) for each in values[1:]) > APART * ALIKE * span)
     return (exact and any(apart)) or (near and apart[0])
-
-
-def _digit(values: np.ndarray) -> float:
-    """Return the last decimal place of values (n,) as a number, such as 0.01; zero where they have no such place."""
-    close = ROUNDING * float(np.ptp(values))
-    return next((10.0**-k for k in PLACES if np.abs(values - values.round(k)).max() <= close), 0.0)
 
 
 def not_shown(source: Source) -> list[Unreadable]:

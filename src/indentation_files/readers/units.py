@@ -92,10 +92,7 @@ def unit_of(key: str, text: str) -> str | None:
 def scale(key: str, unit: str) -> float:
     """Return the factor that brings a channel from `unit` to s, mN or nm; ``-mN`` turns the sign.
 
-    Raises
-    ------
-    InputError
-        When the unit is not known.
+    Raises `InputError` when the unit is not known.
     """
     name = plain(unit)
     found = unit_of(key, name.removeprefix("-"))

@@ -23,8 +23,7 @@ KINDS = {
     b"MM\0*": ("a TIFF image", AS_TEXT),
     b"<?xml": ("an XML file", "save it as a workbook (.xlsx) or as text; " + LIST),
     **dict.fromkeys(
-        (b"<html", b"<table", b"<!doctype html"),
-        ("an HTML page", "save it as a workbook (.xlsx) or as text; " + LIST),
+        (b"<html", b"<table", b"<!doctype html"), ("an HTML page", "save it as a workbook (.xlsx) or as text; " + LIST)
     ),
 }
 CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a\x1b"))
@@ -44,15 +43,11 @@ def no_table(source: Source) -> tuple[str, str] | None:
         return "an Igor wave that is cut off, or has no note on a cantilever", f"copy it again, or {FORCE_CURVE}"
     if TDM.match(begun):
         return "the header of a TDM file, whose numbers lie in the .tdx file beside it", AS_TEXT
-    begun = begun.removeprefix(codecs.BOM_UTF8).lstrip()
-    kind = next((words for magic, words in KINDS.items() if begun[: len(magic)].lower() == magic.lower()), None)
-    return kind or (("a binary file", AS_TEXT) if _binary(source) else None)
-
-
-def _binary(source: Source) -> bool:
-    """Return whether a file's first bytes, less what pads its end, hold more control characters than a text does."""
-    begun = source.begun.rstrip(PADDING)
-    return len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
+    first = begun.removeprefix(codecs.BOM_UTF8).lstrip()
+    kind = next((words for magic, words in KINDS.items() if first[: len(magic)].lower() == magic.lower()), None)
+    begun = begun.rstrip(PADDING)
+    binary = len(begun) - len(begun.translate(None, CONTROLS)) > MOST_CONTROLS * len(begun)
+    return kind or (("a binary file", AS_TEXT) if binary else None)
 
 
 def unknown(source: Source) -> InputError:

@@ -18,11 +18,11 @@ from indentation_files.readers.rising_time import increasing, stands_still
 from indentation_files.readers.several_tests import padding, taken, whole, without_stand_ins, written_twice
 from indentation_files.readers.source import Source
 from indentation_files.recording import Recording, spaced
-from indentation_files.sentences import and_more
+from indentation_files.sentences import and_more, first_few
 
 CORRECTIONS = ("drift", "frame")
 MOST_LEFT_OUT = 0.05
-PLACES = 3
+CORRECTED = "corrections in depth: "  # begins the note on these
 NUMBER = re.compile(r"\d+(\.\d+)?(e[-+]?\d+)?")
 Corrections = frozenset[str] | None
 Found = TypeVar("Found")
@@ -58,18 +58,10 @@ class VendorTest:
 
 @dataclass(frozen=True)
 class Unreadable:
-    """A test that cannot be read, which keeps nobody from the others of its file.
+    """A test that cannot be read, which keeps nobody from the others of its file, and what is wrong with it.
 
-    Parameters
-    ----------
-    name
-        The test's name in the file.
-    error
-        What is wrong with it.
-    sought
-        Whether it is known to be a test; a workbook's sheet with another table, which need not be one, is not.
-    uncounted
-        The test, where it could be read and is left out unless somebody names it.
+    It is `sought` where it is known to be a test; a workbook's sheet with another table need not be one. A test that
+    could be read, and is left out unless somebody names it, is kept as `uncounted`.
     """
 
     name: str
@@ -89,14 +81,17 @@ class Reader:
     matches
         Whether a file is of this format, by its content.
     read
-        Reads all tests, and says which it cannot. The corrections are those to be in the depth: None for the vendor's
-        own, otherwise a set of ``drift`` and ``frame``; `InputError` where the file does not hold what that needs.
+        Reads all tests, and says which it cannot; what it raises is given the file.
+    corrects
+        Whether the vendor's corrections can be chosen, so that `read` takes those to be in the depth too: None for the
+        vendor's own, otherwise a set of ``drift`` and ``frame``; `InputError` where the file lacks what that needs.
     """
 
     key: str
     title: str
     matches: Callable[[Source], bool]
-    read: Callable[[Source, Corrections], Sequence[VendorTest | Unreadable]]
+    read: Callable[..., Sequence[VendorTest | Unreadable]]
+    corrects: bool = False
 
 
 def read_or_report(path: Path, name: str, read: Callable[..., Found], *given: Any) -> Found | Unreadable:
@@ -119,6 +114,18 @@ def unless_all_fail(tests: Sequence[VendorTest | Unreadable]) -> list[VendorTest
 def in_words(corrections: Iterable[str] | None) -> str:
     """Return which of the vendor's corrections are in a depth: chosen ones, or, where none were chosen, all."""
     return "those of the vendor" if corrections is None else ", ".join(sorted(corrections)) or "none"
+
+
+def provenance(test: VendorTest, corrections: Corrections) -> tuple[str, ...]:
+    """Return the comments with which a test that was read is written: where it comes from, and what was done to it.
+
+    These are its notes, the corrections that its depth contains, by those that were asked for, its warnings, and what
+    its file states. A recording that palpate has written states its corrections itself.
+    """
+    notes = test.recording.notes
+    if not any(note.startswith(CORRECTED) for note in notes):
+        notes = (*notes, CORRECTED + in_words(corrections))
+    return (*notes, *test.warnings, *(f"{key}: {value}" for key, value in test.metadata.items()))
 
 
 def raise_if_unreadable(test: VendorTest | Unreadable) -> VendorTest:
@@ -155,40 +162,31 @@ def messages(path: Path, tests: Sequence[VendorTest | Unreadable]) -> Iterator[s
         yield f"{path}, {name}{and_more(warnings)}: {warning}"
 
 
-def refuse_corrections(source: Source, corrections: Corrections) -> None:
+def refuse_corrections(corrections: Corrections) -> None:
     """Raise `InputError` when corrections are chosen on a file that holds nothing but the final channels."""
     if corrections is not None:
-        raise InputError(
-            "this export holds the vendor's final channels only",
-            remedy="leave --raw and --correct off, or export raw data",
-            file=source.path,
-        )
+        problem = "this export holds the vendor's final channels only"
+        raise InputError(problem, remedy="leave --raw and --correct off, or export raw data")
 
 
-def corrected(
-    displacement: np.ndarray,
-    time: np.ndarray,
-    load: np.ndarray,
+def vendor_test(
+    source: Source,
+    name: str,
+    channels: Sequence[np.ndarray],
+    facts: Mapping[str, Any],
+    warnings: tuple[str, ...],
     *,
-    drift: float,
-    compliance: float,
-    corrections: frozenset[str],
-) -> np.ndarray:
-    """Return displacement (n,) [nm] less the drift and the frame's deflection, where they are among `corrections`.
+    marked: bool = False,
+    stiffness: np.ndarray | None = None,
+) -> VendorTest:
+    """Return a `VendorTest` of the file `source` whose recording states that.
 
-    Parameters
-    ----------
-    displacement, time, load : ndarray, shape (n,)
-        [nm], [s] and [mN], all counted from contact.
-    drift, compliance
-        [nm/s], [nm/mN].
+    The `channels` are time [s], load [mN] and depth [nm], each (n,); `facts`, `warnings` and `marked` are the test's
+    metadata, warnings and mark, `name` and `stiffness` the recording's.
     """
-    depth = displacement.copy()
-    if "drift" in corrections:
-        depth -= drift * time
-    if "frame" in corrections:
-        depth -= compliance * load
-    return depth
+    time, load, depth = channels
+    recording = Recording(time, load, depth, name, (f"from {source.path.name}",), stiffness)
+    return VendorTest(name, recording, facts, warnings, marked)
 
 
 def contact(load: np.ndarray, depth: np.ndarray) -> int:
@@ -218,25 +216,16 @@ def unfinished(load: np.ndarray) -> tuple[str, ...]:
     return (f"ends under {load[-1]:.4g} of {load.max():.4g} mN, not unloaded; the file may be cut off",)
 
 
-def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def usable(place: str, time: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Return the indices of the points that make a test, and in words which are left out.
 
     Points without a number before the first whole one and after the last are no damage: a channel may begin later or
     end earlier. Nor are repeated times (the last point of a segment is often written again as the first of the next),
     points written twice, and zeros at the end. Of very many points evenly spaced ones are kept (`spaced`).
 
-    Parameters
-    ----------
-    place
-        Where the points are in the file, for messages.
-    time, others : ndarray, shape (n,)
-        All channels that the test needs; NaN where the file holds no number.
-
-    Raises
-    ------
-    InputError
-        When more than a twentieth of the points between the first and the last whole one would have to go, or fewer
-        than two are left.
+    The channels that a test needs, `time` and `others`, each (n,), are NaN where the file holds no number. Raises
+    `InputError`, for the `place` in the file, when more than a twentieth of the points between the first and the last
+    whole one would have to go, or fewer than two are left.
     """
     channels = without_stand_ins([time, *others])
     zeros = padding(channels)
@@ -244,10 +233,8 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     filled = whole(channels) & ~idle
     complete = np.flatnonzero(filled).astype(np.int32)
     if len(complete) < 2:
-        raise InputError(
-            "holds fewer than two points with a number in every channel", remedy="export the test again",
-            file=source.path, place=place,
-        )  # fmt: skip
+        problem = "holds fewer than two points with a number in every channel"
+        raise InputError(problem, remedy="export the test again", place=place)
     between = ~idle
     between[: complete[0]] = between[complete[-1] + 1 :] = False
     clock = taken(time, filled)
@@ -257,10 +244,8 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     damaged = {"no number": np.flatnonzero(between & ~filled), "time goes back": complete[~later & ~still]}
     repeated = {"time stands still": complete[still]}
     if count - len(kept) > MOST_LEFT_OUT * count:
-        raise InputError(
-            f"{_listed(damaged | repeated)}: {count - len(kept)} of {count} points cannot be used",
-            remedy="export the test again", file=source.path, place=place,
-        )  # fmt: skip
+        problem = f"{_listed(damaged | repeated)}: {count - len(kept)} of {count} points cannot be used"
+        raise InputError(problem, remedy="export the test again", place=place)
     lost = sum(map(len, damaged.values()))
     reported = [f"{lost} of {count} points left out: {_listed(damaged)}"] if lost else []
     reported += [f"{zeros.sum()} points of zeros at the end left out"] if zeros.any() else []
@@ -268,16 +253,6 @@ def usable(source: Source, place: str, time: np.ndarray, *others: np.ndarray) ->
     return kept, (*reported, *thinned)
 
 
-def first_few(items: Sequence[int | str] | np.ndarray) -> str:
-    """Return the first few of some numbers or names, and how many more there are."""
-    more = f" and {len(items) - PLACES} more" if len(items) > PLACES else ""
-    return ", ".join(str(item) for item in items[:PLACES]) + more
-
-
 def _listed(causes: Mapping[str, np.ndarray]) -> str:
     """Return each cause with the numbers of the first few points that it strikes, counted from 1."""
-    listed = []
-    for cause, points in causes.items():
-        if len(points):
-            listed.append(f"{cause} (point {first_few(points + 1)})")
-    return ", ".join(listed)
+    return ", ".join(f"{cause} (point {first_few(at + 1)})" for cause, at in causes.items() if len(at))

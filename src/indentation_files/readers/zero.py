@@ -12,24 +12,10 @@ import numpy as np
 
 from indentation_files.borne_load import LEAST_RISE, check_borne
 from indentation_files.channel_noise import noise_of
-from indentation_files.contact_interval import interval_note
-from indentation_files.contact_of_replicates import VAGUE
+from indentation_files.contact_interval import VAGUE, interval_note
 from indentation_files.contact_point import CLEAR, ContactPoint, first_touch, touch_at
-from indentation_files.errors import InputError
-from indentation_files.readers.in_air import (
-    FINDS,
-    SHARE,
-    air_at_start,
-    air_before,
-    retreat_before,
-    retreats_at_start,
-    risen_before,
-    seems_in_air,
-    share_in_air,
-    sloping,
-    until_retreat,
-    without_rest,
-)
+from indentation_files.errors import InputError, located_in
+from indentation_files.readers import in_air
 from indentation_files.readers.source import numbers_of
 from indentation_files.readers.units import CHANNELS, to_turn
 from indentation_files.readers.vendor import Unreadable, VendorTest, read_or_report, unless_all_fail
@@ -49,23 +35,16 @@ LAST_FREE = 10  # points of an approach from which the load without contact is t
 def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     """Return a test whose time, load and depth are zero at contact; it begins there and ends when the tip has left.
 
-    Parameters
-    ----------
-    test
-        With its approach; time is zero at the file's contact.
-    contact
-        ``file``: the approach is cut off, nothing else is touched; where the file marks no contact and the test begins
-        in air, contact is found. ``auto``: contact is found (`first_touch`). ``none``: the test stays whole. A number:
-        contact is where the tip first comes to this depth [nm].
+    The `test` has its approach, and its time is zero at the file's contact. `contact` is ``file``: the approach is cut
+    off, nothing else is touched; where the file marks no contact and the test begins in air, contact is found.
+    ``auto``: contact is found (`first_touch`). ``none``: the test stays whole. A number: contact is where the tip first
+    comes to this depth [nm].
 
     Whatever is odd about a contact gets a warning: air after the file's, a load that is not zero before it, a wide
     interval, or one far from the file's own.
 
-    Raises
-    ------
-    InputError
-        When the contact is neither of these, load or depth has the wrong sign or never changes, the tip never comes to
-        the depth given, or too few points are left to find contact in.
+    Raises `InputError` when the contact is neither of these, load or depth has the wrong sign or never changes, the tip
+    never comes to the depth given, or too few points are left to find contact in.
     """
     r = test.recording
     if contact not in CONTACTS if isinstance(contact, str) else not isinstance(contact, Real):
@@ -73,48 +52,50 @@ def zeroed(test: VendorTest, contact: str | float) -> VendorTest:
     if contact == "none":
         return test
     _check_signs(test.name, r)
-    test = replace(test, warnings=(*test.warnings, *_never_borne(r)))
+    try:
+        check_borne(r)
+    except InputError as error:
+        test = replace(test, warnings=(*test.warnings, error.problem))
     if contact == "file":
         return _from_the_file_s(test)
-    try:
+    with located_in(place=test.name):
         found = first_touch(r.time, r.load, r.depth) if contact == "auto" else None
         point = found or touch_at(float(contact), r.time, r.load, r.depth)
-    except InputError as error:
-        raise error.located(place=test.name) from None
     messages = () if found is None else (*_vague(r, found), *_far_from_the_file_s(test, found))
     messages = (*_subtracted(r, point), *messages)
     begins = begun(r, point, FOUND if found else GIVEN)
-    look = retreats_at_start if found else air_at_start
+    look = in_air.retreats_at_start if found else in_air.air_at_start
     air = look(begins, remedy="--contact NM puts contact elsewhere")
-    return _ended(test, begins, (*messages, *air, *sloping(r, point.index)))
+    return _ended(test, begins, (*messages, *air, *in_air.sloping(r, point.index)))
 
 
 def _from_the_file_s(test: VendorTest) -> VendorTest:
     """Return a test that begins at the file's contact; where it marks none and begins in air, at the one found."""
     r = test.recording
     begin = int(np.argmax(r.time >= 0))
-    moving, rested = without_rest(r.at(slice(begin, None)))
+    moving, rested = in_air.without_rest(r.at(slice(begin, None)))
     sought, air = (moving, None) if test.marked else _sought(r, moving)
     if air is None:
         if rested:
             moving = replace(moving, time=moving.time - moving.time[0])
         moving, counted = (moving, ()) if test.marked else _counted_from_the_start(moving, _level(r.load, begin))
+        if begins_off_contact(moving):
+            counted = (*counted, f"begins at a depth of {moving.depth[0]:.4g} nm, not at contact ({in_air.FINDS})")
         messages = (
             *rested,
             *counted,
-            *_off_zero(moving),
-            *((test.marked and risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
-            *(air_at_start if test.marked else retreats_at_start)(moving),
-            *sloping(r, begin),
+            *((test.marked and in_air.risen_before(r, begin)) or _loaded_before(r.load, begin) or _under_load(moving)),
+            *(in_air.air_at_start if test.marked else in_air.retreats_at_start)(moving),
+            *in_air.sloping(r, begin),
         )
         return _ended(test, moving, messages)
-    share = 100 * share_in_air(sought, air)
+    share = 100 * in_air.share_in_air(sought, air)
     message = f"the file marks no contact, the load does not rise over the first {share:.2g} % of the depth"
-    retreat = retreat_before(sought, air)
-    if retreat > SHARE * (float(sought.depth.max()) - air.depth):
+    retreat = in_air.retreat_before(sought, air)
+    if retreat > in_air.SHARE * (float(sought.depth.max()) - air.depth):
         message += f", and the tip retreats by {retreat:.3g} nm before contact"
     message += f": begins at the contact found, {_place(air)} (--contact none keeps all)"
-    messages = (message, *_subtracted(sought, air), *_vague(sought, air), *sloping(sought, air.index))
+    messages = (message, *_subtracted(sought, air), *_vague(sought, air), *in_air.sloping(sought, air.index))
     return _ended(test, begun(sought, air, FOUND), messages)
 
 
@@ -124,18 +105,18 @@ def _sought(whole: Recording, moving: Recording) -> tuple[Recording, ContactPoin
     The part from where the reader begins is searched first. Where that begins off contact or in air, or leaves contact
     vague, the retreat before it shows the load without contact.
     """
-    air = air_before(moving)
+    air = in_air.air_before(moving)
     if len(whole) == len(moving) or (air and not _is_vague(moving, air)):
         return moving, air
-    if air or begins_off_contact(moving) or seems_in_air(moving):
-        before = air_before(whole)
+    if air or begins_off_contact(moving) or in_air.seems_in_air(moving):
+        before = in_air.air_before(whole)
         return (whole, before) if before or not air else (moving, air)
     return moving, None
 
 
 def _ended(test: VendorTest, recording: Recording, messages: tuple[str, ...]) -> VendorTest:
     """Return the test with a recording from contact on, up to the tip's retreat, and messages on it."""
-    ended, of_end = until_retreat(recording)
+    ended, of_end = in_air.until_retreat(recording)
     return replace(test, recording=ended, warnings=(*test.warnings, *messages, *of_end))
 
 
@@ -224,38 +205,17 @@ def _check_signs(name: str, recording: Recording) -> None:
     load, depth, peak = recording.load, recording.depth, int(np.argmax(recording.load))
     for channel, recorded in (("load", load), ("depth", depth)):
         if np.ptp(recorded) == 0.0:
-            raise InputError(
-                f"the {channel} is {recorded[0]:.4g} {CHANNELS[channel]} at all {len(recorded)} points",
-                remedy=f"check which column holds the {channel}, or leave this test out",
-                place=name,
-            )
+            problem = f"the {channel} is {recorded[0]:.4g} {CHANNELS[channel]} at all {len(recorded)} points"
+            remedy = f"check which column holds the {channel}, or leave this test out"
+            raise InputError(problem, remedy=remedy, place=name)
     for channel, wrong, values in (
         ("load", load[peak] - load[0] < LEAST_RISE * (load[0] - load.min()), (load[0], load.min())),
         ("depth", depth[peak] < depth[0], (depth[0], depth[peak])),
     ):
         if wrong:
             unit = CHANNELS[channel]
-            raise InputError(
-                f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses",
-                remedy=f"{to_turn(channel)}, or export the loading too",
-                place=name,
-            )
-
-
-def _never_borne(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where a test never bears load."""
-    try:
-        check_borne(recording)
-    except InputError as error:
-        return (error.problem,)
-    return ()
-
-
-def _off_zero(recording: Recording) -> tuple[str, ...]:
-    """Return a warning where contact is elsewhere than where a test begins."""
-    if not begins_off_contact(recording):
-        return ()
-    return (f"begins at a depth of {recording.depth[0]:.4g} nm, not at contact ({FINDS})",)
+            problem = f"the {channel} falls from {values[0]:.4g} to {values[1]:.4g} {unit} where the tip presses"
+            raise InputError(problem, remedy=f"{to_turn(channel)}, or export the loading too", place=name)
 
 
 def _counted_from_the_start(r: Recording, level: float) -> tuple[Recording, tuple[str, ...]]:
@@ -269,7 +229,7 @@ def _counted_from_the_start(r: Recording, level: float) -> tuple[Recording, tupl
     loaded = abs(r.load[0] - level) > max(CLEAR * noise_of(r.load), BARELY_LOADED * float(np.ptp(r.load)))
     if loaded or abs(first) <= clear:
         return r, ()
-    said = f"the depth is counted from where the test begins, {first:.4g} nm of the file ({FINDS})"
+    said = f"the depth is counted from where the test begins, {first:.4g} nm of the file ({in_air.FINDS})"
     return replace(r, depth=r.depth - first), (said,)
 
 

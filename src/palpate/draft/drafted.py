@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from indentation_files.borne_load import check_borne
+from indentation_files.borne_load import check_borne, pull_off
 from indentation_files.channel_noise import noise_of
-from indentation_files.provenance import provenance
-from indentation_files.pull_off import pull_off
 from indentation_files.readers import VendorTest
+from indentation_files.readers.vendor import provenance
 from indentation_files.recording import BARELY_LOADED, Recording
 from indentation_files.segments import segments
 from palpate.data.recording_checks import NOISE_PEAK

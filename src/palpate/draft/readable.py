@@ -15,8 +15,9 @@ from indentation_files.readers import (
     read_each,
     zeroed_each,
 )
-from indentation_files.readers.vendor import first_few, read_or_report
+from indentation_files.readers.vendor import read_or_report
 from indentation_files.recording import STIFFNESS_FOLDER
+from indentation_files.sentences import first_few
 from palpate.draft.drafted import Drafted
 from palpate.errors import InputError
 

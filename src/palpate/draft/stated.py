@@ -241,8 +241,5 @@ def poisson_ratio(metadata: Mapping[str, Any]) -> float | None:
 
 def _number(entry: object) -> float | None:
     """Return the number with which an entry begins, before its unit; None where there is none."""
-    try:
-        value = number(str(entry).split()[0])
-    except (ValueError, IndexError):
-        return None
+    value = number("".join(str(entry).split()[:1]))
     return value if math.isfinite(value) else None

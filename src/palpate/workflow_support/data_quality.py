@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from indentation_files.borne_load import pull_off
 from indentation_files.channel_noise import MEDIAN
-from indentation_files.contact_interval import interval_of
-from indentation_files.contact_of_replicates import disagreeing, vague
+from indentation_files.contact_interval import disagreeing, interval_of, vague
 from indentation_files.pop_in import pop_ins
-from indentation_files.pull_off import pull_off
 from indentation_files.readers.in_air import air_at_start, suspects
 from indentation_files.readers.zero import begins_off_contact
 from indentation_files.recording import Recording

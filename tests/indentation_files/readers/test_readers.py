@@ -291,14 +291,12 @@ def test_a_workbook_by_its_columns_is_what_its_reader_reads():
 def test_points_without_values_at_the_ends_are_no_damage():
     time, blank = np.arange(100.0), np.full(100, np.nan)
     time[:40], blank[:90] = np.nan, 1.0
-    kept, warnings = usable(Source(Path("x"), io.BytesIO()), "a", time, blank)
+    kept, warnings = usable("a", time, blank)
     assert list(kept) == list(range(40, 90))
     assert warnings == ()
     for few in (np.full(100, np.nan), np.zeros(1)):
-        with pytest.raises(
-            InputError, match="x, a: holds fewer than two points with a number in every channel; export"
-        ):
-            usable(Source(Path("x"), io.BytesIO()), "a", few, few)
+        with pytest.raises(InputError, match="a: holds fewer than two points with a number in every channel; export"):
+            usable("a", few, few)
 
 
 @needs_recordings
