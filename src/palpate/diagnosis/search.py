@@ -113,17 +113,14 @@ class Search:
         self.study = study
         self.policy = policy or SearchPolicy()
         given = study.calibration
-        errors = (given.site_scatter, given.solver_error, given.law_error)
-        self._fitter = Fitter(problem, *errors)
+        self._fitter = Fitter(problem, given.site_scatter, given.solver_error, given.law_error)
         self._shown_by_replicates: dict[str, tuple[float, tuple[Amplitude, ...]]] = {}
-        known = problem.forward.coordinates.scaled(calibrated) if calibrated else None
-        starts = scattered(problem.material, self._fitter.policy, rng) if known is None else [known]
+        known = [problem.forward.coordinates.scaled(calibrated)] if calibrated else []
+        starts = known or scattered(problem.material, self._fitter.policy, rng)
         if problem.replicated:
             base = self._fitter.base(starts)
         else:
-            base = self._fitter.closest(starts) if known is None else self._fitter.at(known)
-            self._fitter.use_residual_as_noise(base.residual)
-            base = self._fitter.reweighed(base) if known is None else base
+            base = self._fitter.at(*known) if known else self._fitter.reweighed(self._fitter.closest(starts))
         if self._fitter.explains(base):
             base = on_finer_meshes(self._fitter, base)
         elif base.errors.law is None:
@@ -163,16 +160,13 @@ class Search:
                 if not outside:
                     break
                 continue
-            short = outside and self._fitter.falls_short(found[-1]) and self._falls_behind(found[-1], fit, key)
-            if not (short or self._ends_outside(found[-1])):
+            short = outside and self._fitter.falls_short(found[-1])
+            behind = short and found[-1].log_evidence < self.log_evidence(fit, key) - self.policy.rough
+            if not (behind or self._ends_outside(found[-1])):
                 break
         if not found:
             raise PalpateError(failed)
         return max(found, key=lambda each: each.log_evidence)
-
-    def _falls_behind(self, joined: Fit, fit: Fit, key: str) -> bool:
-        """Return whether a fit that a mechanism joined is less likely than to first order, by more than that errs."""
-        return joined.log_evidence < self.log_evidence(fit, key) - self.policy.rough
 
     def _starts(self, fit: Fit, key: str) -> list[np.ndarray]:
         """Return where searches may begin once a mechanism joins, see `palpate.diagnosis.screen.Screen.starts`.

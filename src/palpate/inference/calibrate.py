@@ -175,6 +175,5 @@ def base_fit(
     fit = on_finer_meshes(fitter, fit)
     if not problem.replicated:
         fitter = replace(usual, problem=fitter.problem)
-        fitter.use_residual_as_noise(fit.residual)
         fit = fitter.reweighed(fit)
     return brought, fit

@@ -102,7 +102,9 @@ class Fitter:
         return fit
 
     def at(self, z: np.ndarray) -> Fit:
-        """Return the base model at coordinates (k,) at which an earlier search of it has ended.
+        """Return the base model of single recordings at coordinates (k,) at which an earlier search of it has ended.
+
+        What it leaves there beside slow trends is taken for noise.
 
         Raises
         ------
@@ -114,7 +116,8 @@ class Fitter:
         (found,) = misfit.tangents(model, [z])
         if isinstance(found, str):
             raise PalpateError(found)
-        return Fit(self.problem, (), model, z, self.errors((), model, z, found[0]), *found, self.constraints)
+        self.use_residual_as_noise(self.problem.mean - found[0])
+        return Fit(self.problem, (), model, z, self.errors((), model, z, found[0]), *found, self.constraints).sized()
 
     def fitted(
         self,
@@ -195,16 +198,17 @@ class Fitter:
         return fit.sized()
 
     def reweighed(self, fit: Fit) -> Fit:
-        """Return a fit of the base model by the errors of these settings, after a search with them.
+        """Return a `closest` fit by the errors of these settings, its residual taken as noise, after a further search.
 
         The closest fit may lie far away, so the curves at the end are those of a forward model that is known there.
         """
+        self.use_residual_as_noise(fit.residual)
         fit = replace(fit, errors=self.errors((), fit.model, fit.z, fit.curve))
         if not self.law_error:
             return fit
         fit = self.settled(fit, StoppingCriteria(self.policy.base_iterations, self.policy.tolerance))
         try:
-            return replace(self.at(fit.z), converged=fit.converged).sized()
+            return replace(self.at(fit.z), converged=fit.converged)
         except PalpateError:
             return fit
 
