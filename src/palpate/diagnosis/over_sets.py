@@ -13,6 +13,7 @@ from scipy.special import logsumexp
 
 from palpate.diagnosis.explanations import Explanations
 from palpate.diagnosis.screen import Screen
+from palpate.diagnosis.search import Candidate
 from palpate.inference.explanation import Fit
 from palpate.inference.posterior import DRAWS, draws_to_first_order
 
@@ -31,8 +32,7 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
         if not count or found.is_exchanged(members):
             continue
         if members in found.fitted:
-            fitted = found.fitted[members]
-            draws = fitted.draws if probability >= LIKELY else draws_to_first_order(fitted.fit, rng)
+            draws = draws_of(found.fitted[members], probability, rng)
         else:
             smaller, _ = found.estimated[members]
             (key,) = members - smaller
@@ -40,6 +40,11 @@ def draws_over_sets(found: Explanations, screen: Screen, rng: np.random.Generato
         places = rng.choice(len(draws), count, replace=count > len(draws))
         parts.append(draws[places, : found.fitted[frozenset()].fit.problem.material])
     return np.concatenate(parts)
+
+
+def draws_of(candidate: Candidate, probability: float, rng: np.random.Generator) -> np.ndarray:
+    """Return draws (m, k) from the posterior of a set of this probability; to first order where it is unlikely."""
+    return candidate.draws if probability >= LIKELY else draws_to_first_order(candidate.fit, rng)
 
 
 def _joined(fit: Fit, screen: Screen, key: str, rng: np.random.Generator) -> np.ndarray:

@@ -87,7 +87,7 @@ class Screen:
 
         Each simulated effect is taken in proportion to a positive coefficient, with the mean square that an even prior
         over the range gives it, or Cauchy's prior; the material and the size of the law's discrepancy are integrated
-        over. The evidence is the mean over the amplitudes tried.
+        over. The evidence is the mean over the amplitudes tried; with a prior from an earlier study there is one.
         An amplitude that differs between recordings has another one in each condition, too.
         """
         columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
@@ -98,19 +98,38 @@ class Screen:
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
         found = []
+        even = fit.coordinates.even_variances(DENSITY_ONE)
+        at = marginal.of_columns(range(first))
+        without = float(logsumexp(at.log_prior + at.log_densities(even, fit.converged)))
+        if earlier := self._coefficient(fit, key):
+            mean, deviation = earlier
+            trial = marginal.of_columns(range(first + 1)).from_elsewhere(np.array([first]), np.array([mean]))
+            joined = logsumexp(trial.log_prior + trial.log_densities(np.append(even, deviation**2)))
+            return fit.log_evidence + float(joined) - without
         for number, variances in enumerate(self.prior_variances(fit, key)):
             trial = marginal.of_columns([*range(first), first + number])
             for weight, variance in variances:
-                shared = np.append(np.full(k, DENSITY_ONE), variance)
+                shared = np.append(even, variance)
                 found.append(weight + logsumexp(trial.log_prior + trial.log_densities(shared, positive=True)))
         if own.shape[1]:
             each = marginal.of_columns([*range(first), *range(first + count, first + count + own.shape[1])])
-            spread = np.append(np.full(k, DENSITY_ONE), np.ones(own.shape[1]))
+            spread = np.append(even, np.ones(own.shape[1]))
             found.append(logsumexp(each.log_prior + each.log_densities(spread)) + np.log(count))
-        at = marginal.of_columns(range(first))
-        without = logsumexp(at.log_prior + at.log_densities(DENSITY_ONE, fit.converged))
         mass = fit.problem.coordinates((key,)).log_mass(fit.problem.material)
-        return fit.log_evidence + float(logsumexp(found)) - np.log(count) - float(without) - mass
+        return fit.log_evidence + float(logsumexp(found)) - np.log(count) - without - mass
+
+    def _coefficient(self, fit: Fit, key: str) -> tuple[float, float] | None:
+        """Return mean and standard deviation of the coefficient of the effect whose amplitudes an earlier study gave.
+
+        The effect was simulated one standard deviation farther from none than the mean.
+        """
+        normal = fit.problem.coordinates((key,)).normal
+        if not len(normal.places):
+            return None
+        (place,) = self.trials[key]
+        away = place - _neutral_place(fit.problem, key)
+        deviation = float(np.linalg.norm(place - normal.mean) / np.linalg.norm(away))
+        return 1.0 - deviation, deviation
 
     def prior_variances(self, fit: Fit, key: str) -> list[list[tuple[float, float]]]:
         """Return the logarithms of weights and the variances that make the prior of the coefficient of each trial.
@@ -118,6 +137,8 @@ class Screen:
         Where the amplitude is even over the range, its mean square about the neutral value is a third of the square of
         the way to the farther end. Where there are several quantities, their even ranges are sampled by the trials.
         """
+        if earlier := self._coefficient(fit, key):
+            return [[(0.0, earlier[0] ** 2 + earlier[1] ** 2)]]
         places, coordinates = self.trials[key], fit.problem.coordinates((key,))
         added = coordinates.free[fit.problem.material :]
         parts = list(zip(np.log(CAUCHY_WEIGHTS), CAUCHY, strict=True))
@@ -126,9 +147,7 @@ class Screen:
             return [[(float(weight), (size * share) ** 2) for weight, size in parts]] * len(places)
         if len(added) > 1:
             return [[(0.0, 1.0)]] * len(places)
-        (coordinate,) = added
-        neutral = MECHANISMS[key].neutral.get(coordinate.name.split(".")[1], coordinate.lower)
-        start = float(np.clip(coordinate.scaled(neutral), 0.0, 1.0))
+        (start,) = _neutral_place(fit.problem, key).tolist()
         away = np.maximum(np.abs(places[:, 0] - start), NEUTRAL)
         if len(coordinates.cauchy):
             (typical,) = coordinates.cauchy_sizes
@@ -203,8 +222,19 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
     return [start for _, start in sorted(found, key=lambda each: each[0])[:STARTS]] + [none]
 
 
+def _neutral_place(problem: Problem, key: str) -> np.ndarray:
+    """Return the coordinates (d,), within their ranges, at which a mechanism has the least effect."""
+    added, neutral = problem.coordinates((key,)).free[problem.material :], MECHANISMS[key].neutral
+    places = [float(each.scaled(neutral.get(each.name.split(".")[1], each.lower))) for each in added]
+    return np.clip(places, 0.0, 1.0)
+
+
 def screened_places(problem: Problem, key: str) -> np.ndarray:
     """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated."""
+    normal = problem.coordinates((key,)).normal
+    if len(normal.places):
+        farther = np.sign(normal.mean - _neutral_place(problem, key)) * np.sqrt(np.diag(normal.covariance))
+        return (normal.mean + farther)[None]
     dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
         return np.array(SIMULATED if is_simulated else ADDED)[:, None]

@@ -1,0 +1,77 @@
+"""The joint posterior of the effects that studies on one instrument share, over all sets of mechanisms.
+
+Sets that differ in other effects alone count together, each with its probability. The amplitudes are those of the sets
+that were fitted; a set that was estimated to first order counts with its probability alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from palpate.diagnosis.diagnose import DiagnosisOutcome
+from palpate.diagnosis.diagnosis_result import summary
+from palpate.diagnosis.explanations import Members, inclusion
+from palpate.diagnosis.over_sets import draws_of
+from palpate.inference.problem import Problem
+from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms.instrument_prior import JointAmplitudes
+from palpate.models.coordinates import Coordinate
+
+NARROWEST = 1e-5  # standard deviation of an amplitude that lies on a limit, in widths of its range
+
+
+def instrument_posterior(
+    diagnosis: DiagnosisOutcome, shares: Sequence[str], rng: np.random.Generator
+) -> dict[str, Any]:
+    """Return what `instrument.json` says of the mechanisms that a study `shares`: quantities, inclusion and sets.
+
+    The quantities have the ranges that give their coordinates. Each set has its probability; where it was fitted, mean
+    and covariance of the coordinates of its amplitudes, and median and 95 % interval of each in its unit.
+    """
+    problem, sets = diagnosis.base.fit.problem, diagnosis.sets
+    coordinates = {each.name: each for key in shares for each in _searched(problem, key)}
+    probabilities, parts = dict[Members, float](), dict[Members, list[tuple[float, JointAmplitudes]]]()
+    drawn = dict[Members, list[np.ndarray]]()
+    for members, probability in sets.probabilities().items():
+        shared = members.intersection(shares)
+        probabilities[shared] = probabilities.get(shared, 0.0) + probability
+        if not shared or members not in sets.fitted or not probability:
+            continue
+        candidate = sets.fitted[members]
+        names = tuple(name for name in coordinates if name.split(".")[0] in shared)
+        places = [candidate.fit.coordinates.names.index(name) for name in names]
+        draws = draws_of(candidate, probability, rng)[:, places]
+        spread = np.cov(draws.T).reshape(len(names), -1) + NARROWEST**2 * np.eye(len(names))
+        parts.setdefault(shared, []).append((probability, JointAmplitudes(names, draws.mean(axis=0), spread)))
+        drawn.setdefault(shared, []).append(draws)
+    rows = []
+    for shared, probability in sorted(probabilities.items(), key=lambda each: -each[1]):
+        row: dict[str, Any] = {"mechanisms": sorted(shared), "probability": probability}
+        if shared in parts:
+            found = JointAmplitudes.pooled(parts[shared])
+            row |= {"quantities": list(found.names), "mean": found.mean.tolist()}
+            row |= {"covariance": found.covariance.tolist()}
+            likeliest = zip(found.names, drawn[shared][0].T, strict=True)
+            row["estimates"] = {name: summary(coordinates[name].physical(column)) for name, column in likeliest}
+        rows.append(row)
+    return {
+        "shares": sorted(shares),
+        "inclusion": dict.fromkeys(sorted(shares), 0.0) | inclusion(probabilities),
+        "quantities": [_quantity(each, problem) for each in coordinates.values()],
+        "sets": rows,
+    }
+
+
+def _searched(problem: Problem, key: str) -> Sequence[Coordinate]:
+    return problem.coordinates((key,)).free[problem.material :]
+
+
+def _quantity(coordinate: Coordinate, problem: Problem) -> dict[str, Any]:
+    key, name = coordinate.name.split(".")
+    units = {each.name: each.unit for each in MECHANISMS[key].parameters}
+    unit = units.get(name) or MECHANISMS[key].searched(problem.scale)[name].unit
+    lower, upper, typical = coordinate.lower, coordinate.upper, coordinate.typical
+    return {"name": coordinate.name, "unit": unit, "lower": lower, "upper": upper, "typical": typical}
