@@ -112,7 +112,7 @@ def _with_prior(given: StudyFile, section: InstrumentSection, named: str) -> Ins
     file = Path(named).expanduser() if named.endswith(ENDING) else instrument_file(named)
     try:
         record = json.loads(file.read_text(encoding="utf-8"))
-        prior = _prior(record, section.shares)
+        prior = read_prior(record, section.shares)
     except FileNotFoundError:
         make = "give its path" if named.endswith(ENDING) else f"run the study first: palpate run {named}.yaml"
         raise InputError(f"{file} is missing", remedy=make) from None
@@ -141,7 +141,7 @@ def _chain(record: Mapping[str, Any] | None) -> Iterator[Mapping[str, Any]]:
         record = record["prior"]
 
 
-def _prior(record: Mapping[str, Any], shares: Iterable[str]) -> InstrumentPrior:
+def read_prior(record: Mapping[str, Any], shares: Iterable[str]) -> InstrumentPrior:
     """Return what a record says of some mechanisms, whatever others it holds."""
     keys = frozenset(shares)
     ranges: dict[str, dict[str, SearchedRange]] = {}

@@ -1,7 +1,7 @@
 """The joint posterior of the effects that studies on one instrument share, over all sets of mechanisms.
 
-Sets that differ in other effects alone count together, each with its probability. The amplitudes are those of the sets
-that were fitted; a set that was estimated to first order counts with its probability alone.
+Sets that differ in other effects alone count together, each with its probability. The amplitudes of a set that was not
+fitted are those to first order; one that was estimated by an exchange counts with its probability alone.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from palpate.diagnosis.diagnose import DiagnosisOutcome
 from palpate.diagnosis.diagnosis_result import summary
 from palpate.diagnosis.explanations import Members, inclusion
 from palpate.diagnosis.over_sets import draws_of
+from palpate.diagnosis.screen import Screen
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
 from palpate.mechanisms.instrument_prior import JointAmplitudes
@@ -24,29 +25,28 @@ NARROWEST = 1e-5  # standard deviation of an amplitude that lies on a limit, in 
 
 
 def instrument_posterior(
-    diagnosis: DiagnosisOutcome, shares: Sequence[str], rng: np.random.Generator
+    diagnosis: DiagnosisOutcome, screen: Screen, shares: Sequence[str], rng: np.random.Generator
 ) -> dict[str, Any]:
     """Return what `instrument.json` says of the mechanisms that a study `shares`: quantities, inclusion and sets.
 
-    The quantities have the ranges that give their coordinates. Each set has its probability; where it was fitted, mean
-    and covariance of the coordinates of its amplitudes, and median and 95 % interval of each in its unit.
+    The quantities have the ranges that give their coordinates. Each set has its probability, mean and covariance of the
+    coordinates of its amplitudes and, of the likeliest set of all mechanisms, their medians and 95 % intervals.
     """
     problem, sets = diagnosis.base.fit.problem, diagnosis.sets
     coordinates = {each.name: each for key in shares for each in _searched(problem, key)}
     probabilities, parts = dict[Members, float](), dict[Members, list[tuple[float, JointAmplitudes]]]()
-    drawn = dict[Members, list[np.ndarray]]()
+    likeliest = dict[Members, np.ndarray]()
     for members, probability in sets.probabilities().items():
         shared = members.intersection(shares)
         probabilities[shared] = probabilities.get(shared, 0.0) + probability
-        if not shared or members not in sets.fitted or not probability:
+        if not shared or not probability or sets.is_exchanged(members):
             continue
-        candidate = sets.fitted[members]
+        drawn, every = draws_of(sets, members, probability, screen, rng)
         names = tuple(name for name in coordinates if name.split(".")[0] in shared)
-        places = [candidate.fit.coordinates.names.index(name) for name in names]
-        draws = draws_of(candidate, probability, rng)[:, places]
+        draws = drawn[:, [every.index(name) for name in names]]
         spread = np.cov(draws.T).reshape(len(names), -1) + NARROWEST**2 * np.eye(len(names))
         parts.setdefault(shared, []).append((probability, JointAmplitudes(names, draws.mean(axis=0), spread)))
-        drawn.setdefault(shared, []).append(draws)
+        likeliest.setdefault(shared, draws)
     rows = []
     for shared, probability in sorted(probabilities.items(), key=lambda each: -each[1]):
         row: dict[str, Any] = {"mechanisms": sorted(shared), "probability": probability}
@@ -54,8 +54,8 @@ def instrument_posterior(
             found = JointAmplitudes.pooled(parts[shared])
             row |= {"quantities": list(found.names), "mean": found.mean.tolist()}
             row |= {"covariance": found.covariance.tolist()}
-            likeliest = zip(found.names, drawn[shared][0].T, strict=True)
-            row["estimates"] = {name: summary(coordinates[name].physical(column)) for name, column in likeliest}
+            columns = zip(found.names, likeliest[shared].T, strict=True)
+            row["estimates"] = {name: summary(coordinates[name].physical(column)) for name, column in columns}
         rows.append(row)
     return {
         "shares": sorted(shares),

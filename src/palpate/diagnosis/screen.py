@@ -17,12 +17,13 @@ import numpy as np
 from scipy.special import logsumexp
 from scipy.stats import qmc
 
+from palpate.diagnosis.coefficient_prior import NEUTRAL, neutral_place, with_coefficient
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.explanation import DENSITY_ONE, PRIOR_VARIANCE, Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
-from palpate.models.coordinates import CAUCHY, CAUCHY_WEIGHTS
+from palpate.models.coordinates import CAUCHY, CAUCHY_WEIGHTS, Coordinates
 from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
@@ -32,7 +33,6 @@ SCATTERED = 8  # places for several quantities
 ADDED_SCATTERED = 32
 EVEN_DEVIATION = 1.0 / np.sqrt(12.0)  # of an even prior, in widths of the range
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
-NEUTRAL = 0.02  # of a range, within which an amplitude counts as none
 STARTS = 3  # amplitudes of least misfit, at which a search may begin
 
 
@@ -87,7 +87,8 @@ class Screen:
 
         Each simulated effect is taken in proportion to a positive coefficient, with the mean square that an even prior
         over the range gives it, or Cauchy's prior; the material and the size of the law's discrepancy are integrated
-        over. The evidence is the mean over the amplitudes tried; with a prior from an earlier study there is one.
+        over. The evidence is the mean over the amplitudes tried. With a prior from an earlier study, it is that of the
+        coefficient of one of them.
         An amplitude that differs between recordings has another one in each condition, too.
         """
         columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
@@ -97,15 +98,11 @@ class Screen:
             own = fit.problem.effects_by_test(key) * np.tile(sizes, len(fit.problem.conditions))
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
-        found = []
-        even = fit.coordinates.even_variances(DENSITY_ONE)
+        found, even = [], fit.coordinates.even_variances(DENSITY_ONE)
         at = marginal.of_columns(range(first))
         without = float(logsumexp(at.log_prior + at.log_densities(even, fit.converged)))
-        if earlier := self._coefficient(fit, key):
-            mean, deviation = earlier
-            trial = marginal.of_columns(range(first + 1)).from_elsewhere(np.array([first]), np.array([mean]))
-            joined = logsumexp(trial.log_prior + trial.log_densities(np.append(even, deviation**2)))
-            return fit.log_evidence + float(joined) - without
+        if further := with_coefficient(fit, key, self.trials[key]):
+            return fit.log_evidence + self._log_density_joined(fit, key, *further) - without
         for number, variances in enumerate(self.prior_variances(fit, key)):
             trial = marginal.of_columns([*range(first), first + number])
             for weight, variance in variances:
@@ -118,18 +115,16 @@ class Screen:
         mass = fit.problem.coordinates((key,)).log_mass(fit.problem.material)
         return fit.log_evidence + float(logsumexp(found)) - np.log(count) - without - mass
 
-    def _coefficient(self, fit: Fit, key: str) -> tuple[float, float] | None:
-        """Return mean and standard deviation of the coefficient of the effect whose amplitudes an earlier study gave.
+    def _log_density_joined(self, fit: Fit, key: str, further: Coordinates, number: int) -> float:
+        """Return the log density of a fit's residual once a trial of a mechanism joins, see `with_coefficient`.
 
-        The effect was simulated one standard deviation farther from none than the mean.
+        It is relative to the mass of the prior of the fit.
         """
-        normal = fit.problem.coordinates((key,)).normal
-        if not len(normal.places):
-            return None
-        (place,) = self.trials[key]
-        away = place - _neutral_place(fit.problem, key)
-        deviation = float(np.linalg.norm(place - normal.mean) / np.linalg.norm(away))
-        return 1.0 - deviation, deviation
+        columns = np.column_stack([fit.residual, fit.tangent, self.effects[key][number]])
+        joined, material = fit.marginal(columns, further), fit.problem.material
+        mass = further.log_mass(material) - fit.coordinates.log_mass(material)
+        densities = joined.log_densities(further.even_variances(DENSITY_ONE))
+        return float(logsumexp(joined.log_prior + densities)) - mass
 
     def prior_variances(self, fit: Fit, key: str) -> list[list[tuple[float, float]]]:
         """Return the logarithms of weights and the variances that make the prior of the coefficient of each trial.
@@ -137,8 +132,6 @@ class Screen:
         Where the amplitude is even over the range, its mean square about the neutral value is a third of the square of
         the way to the farther end. Where there are several quantities, their even ranges are sampled by the trials.
         """
-        if earlier := self._coefficient(fit, key):
-            return [[(0.0, earlier[0] ** 2 + earlier[1] ** 2)]]
         places, coordinates = self.trials[key], fit.problem.coordinates((key,))
         added = coordinates.free[fit.problem.material :]
         parts = list(zip(np.log(CAUCHY_WEIGHTS), CAUCHY, strict=True))
@@ -147,7 +140,7 @@ class Screen:
             return [[(float(weight), (size * share) ** 2) for weight, size in parts]] * len(places)
         if len(added) > 1:
             return [[(0.0, 1.0)]] * len(places)
-        (start,) = _neutral_place(fit.problem, key).tolist()
+        (start,) = neutral_place(fit.problem, key).tolist()
         away = np.maximum(np.abs(places[:, 0] - start), NEUTRAL)
         if len(coordinates.cauchy):
             (typical,) = coordinates.cauchy_sizes
@@ -222,19 +215,21 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
     return [start for _, start in sorted(found, key=lambda each: each[0])[:STARTS]] + [none]
 
 
-def _neutral_place(problem: Problem, key: str) -> np.ndarray:
-    """Return the coordinates (d,), within their ranges, at which a mechanism has the least effect."""
-    added, neutral = problem.coordinates((key,)).free[problem.material :], MECHANISMS[key].neutral
-    places = [float(each.scaled(neutral.get(each.name.split(".")[1], each.lower))) for each in added]
-    return np.clip(places, 0.0, 1.0)
-
-
 def screened_places(problem: Problem, key: str) -> np.ndarray:
-    """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated."""
-    normal = problem.coordinates((key,)).normal
-    if len(normal.places):
-        farther = np.sign(normal.mean - _neutral_place(problem, key)) * np.sqrt(np.diag(normal.covariance))
-        return (normal.mean + farther)[None]
+    """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated.
+
+    The last ones are those that an earlier study expects.
+    """
+    return np.vstack([_scattered_places(problem, key), *_expected_places(problem, key)])
+
+
+def _expected_places(problem: Problem, key: str) -> list[np.ndarray]:
+    """Return the means (d,) of a mechanism's amplitudes in each set with it that an earlier study fitted."""
+    earlier = problem.scale.instrument
+    return [each.of([key]).mean for members, each in earlier.amplitudes.items() if key in members] if earlier else []
+
+
+def _scattered_places(problem: Problem, key: str) -> np.ndarray:
     dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
         return np.array(SIMULATED if is_simulated else ADDED)[:, None]

@@ -105,7 +105,7 @@ def diagnosed(
     content["limits"] += wide_intervals(best, content["joint_intervals"])
     content["study"] = study.name
     if study.instrument:
-        content["instrument"] = instrument_posterior(found, study.instrument.shares, rng)
+        content["instrument"] = instrument_posterior(found, search.screen, study.instrument.shares, rng)
     content["model_free"] = [fact.row() for fact in model_free(study, counted, problem.observed)]
     laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]

@@ -195,17 +195,19 @@ class Fit:
         covariance = np.linalg.inv(white.T @ white + np.diag(1.0 / variances))
         return covariance @ white.T @ self.white, covariance
 
-    def marginal(self, columns: np.ndarray) -> Marginal:
+    def marginal(self, columns: np.ndarray, further: Coordinates | None = None) -> Marginal:
         """Return the products of columns (n_all, c) for every size of the law's discrepancy.
 
         The columns are a residual, then slopes by the coordinates (k), whose prior and constraints count as data, then
-        whatever else joins the curves.
+        whatever else joins the curves. The prior of the coordinates is that of `further` ones, the last of which is at
+        zero, if they are given.
         """
         found = Marginal.of(self.modes, columns)
-        off, slopes = self.coordinates.departures(self.z), self.coordinates.slopes_of_departures(self.z)
-        off[self.coordinates.cauchy], slopes[self.coordinates.cauchy] = 0.0, 0.0
-        slopes = np.vstack([slopes, self.constraint_tangent])
-        rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(self.z)))
+        coordinates, z = (further, np.append(self.z, 0.0)) if further else (self.coordinates, self.z)
+        off, slopes = coordinates.departures(z), coordinates.slopes_of_departures(z)
+        off[coordinates.cauchy], slopes[coordinates.cauchy] = 0.0, 0.0
+        slopes = np.vstack([slopes, np.pad(self.constraint_tangent, ((0, 0), (0, len(z) - len(self.z))))])
+        rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(z)))
         return found.with_data(np.column_stack([-np.append(off, self.from_constraints(self.z)), slopes, rest]))
 
     @cached_property
