@@ -80,7 +80,7 @@ def test_only_effects_of_the_instrument_are_shared(key, words):
     ("changes", "words"),
     [
         ({"prior": "s"}, "a study cannot be its own prior"),
-        ({"prior": "nowhere"}, "results/nowhere/instrument.json is missing; run the study first: palpate run nowhere.yaml"),
+        ({"prior": "no"}, "results/no/instrument.json is missing; run the study first: palpate run no.yaml"),
         ({"prior": "nowhere.json"}, "nowhere.json is missing; give its path"),
         ({"name": "g200"}, "silica was made on xp, this study names g200"),
         ({"shares": ["tip_angle"]}, "silica does not share tip_angle; use some of: frame_compliance, tip_rounding"),

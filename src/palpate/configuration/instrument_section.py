@@ -52,6 +52,17 @@ class Instrument:
     record: Mapping[str, Any] = field(default_factory=dict)
     prior: InstrumentPrior | None = None
 
+    @property
+    def in_words(self) -> str:
+        """What is shared, and what an earlier study found of it."""
+        titles = [MECHANISMS[key].title for key in self.shares]
+        if not self.record:
+            return f"Shared with other studies on {self.name}: {', '.join(titles)}."
+        chances = [
+            f"{title} {self.record['inclusion'][key]:.2g}" for title, key in zip(titles, self.shares, strict=True)
+        ]
+        return f"Prior from {self.record['study']} on {self.name}, probability that it acts: {', '.join(chances)}."
+
     def check_data(self, files: Iterable[Path]) -> None:
         """Refuse recordings that made the prior, or one that it rests on; raises `InputError`."""
         for file in files if self.record else ():
