@@ -31,6 +31,15 @@ def instrument_posterior(
 
     The quantities have the ranges that give their coordinates. Each set has its probability, mean and covariance of the
     coordinates of its amplitudes and, of the likeliest set of all mechanisms, their medians and 95 % intervals.
+
+    Parameters
+    ----------
+    diagnosis
+        The sets of all mechanisms, with their fits.
+    screen
+        Effects of the mechanisms that were considered.
+    rng
+        Source of the draws from posteriors.
     """
     problem, sets = diagnosis.base.fit.problem, diagnosis.sets
     coordinates = {each.name: each for key in shares for each in _searched(problem, key)}

@@ -45,6 +45,15 @@ def draws_of(
     """Return draws (m, k) from the posterior of a set of a `probability`, and the names of its coordinates.
 
     A set that was not fitted counts to first order from the smaller set by which it was estimated.
+
+    Parameters
+    ----------
+    found, members
+        The sets that were fitted or estimated, and the mechanisms of this one.
+    screen
+        Effects of the mechanisms that were considered.
+    rng
+        Source of the draws.
     """
     if members in found.fitted:
         fit = found.fitted[members].fit
