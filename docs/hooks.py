@@ -119,6 +119,8 @@ def mechanisms() -> str:
         facts += [("Considered", "where a study names it")] if not getattr(mechanism, "by_default", True) else []
         special = ", ".join(f"[`{key}`](#{key})" for key in getattr(mechanism, "includes", ()))
         facts += [("Special case", special)] if special else []
+        shared = getattr(mechanism, "may_be_shared", False)
+        facts += [("Shared", "by [studies on one instrument](shared_instruments.md)")] if shared else []
         facts += [("Measured by", remedy)] if (remedy := getattr(mechanism, "remedy", "")) else []
         facts += [("Source", mechanism.source)]
         parts += ["\n".join(f"- **{name}**: {fact}." for name, fact in facts) + "\n"]

@@ -29,9 +29,9 @@ STUDY = SimpleNamespace(
 )
 
 
-def recordings(rng, effect=lambda c, r: 0.0, replicates=3, sigma=1.0, memory=0.8, site=0.01):
+def recordings(rng, effect=lambda c, r: 0.0, replicates=3, sigma=1.0, memory=0.8, site=0.01, conditions=CONDITIONS):
     observed = {}
-    for condition in CONDITIONS:
+    for condition in conditions:
         time = condition.protocol.sample_time
         point = sigma**2 * toeplitz(memory ** np.arange(len(time)))
         depth = cone(condition.protocol, **TRUTH)

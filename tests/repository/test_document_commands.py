@@ -69,6 +69,10 @@ HOW = {
     "real_recordings.md": {
         "snakemake --cores 2 real --config data=FOLDER": "needs recordings that are not in the repository",
     },
+    "shared_instruments.md": {
+        "palpate run config/instrument/virtual_bulk.yaml": DRY,
+        "palpate run config/instrument/virtual_film.yaml": "needs the results of the other study",
+    },
     "simulations.md": {
         "palpate simulate SPEC.yaml -o curve.csv": "",
         "palpate fields SPEC.yaml --time 30,60 -o fields": "",

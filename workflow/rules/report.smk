@@ -28,6 +28,7 @@ RESULTS = [
         name=DIAGNOSED,
         kind=["json", "curves.csv"],
     ),
+    *INSTRUMENT,
 ]
 
 

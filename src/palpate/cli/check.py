@@ -89,6 +89,8 @@ def _described(
     elif study.law_is_open:
         laws = FAMILIES[study.family].laws
         yield f"recordings {next(iter(study.recordings))} will choose among {len(laws)} laws: {', '.join(laws)}"
+    if study.instrument:
+        yield study.instrument.in_words
     for alike in conditions_by_shape(study):
         if len(alike) > 1:
             yield f"{', '.join(c.name for c in alike)} differ in size alone: one simulation gives them all"

@@ -8,8 +8,8 @@ from palpate.configuration.study_sections import StudyFile
 from palpate.errors import InputError
 
 RESERVED = (
-    "benchmarks", "figures", "law.json", "logs", "receipt.json", "recordings", "report.html", "report.manifest.json",
-    "sent.json", "sent.lock", "snapshots", "snapshots.csv", "surrogates", "tracking",
+    "benchmarks", "figures", "instrument.json", "law.json", "logs", "receipt.json", "recordings", "report.html",
+    "report.manifest.json", "sent.json", "sent.lock", "snapshots", "snapshots.csv", "surrogates", "tracking",
 )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from palpate.configuration.checked_file import check_contradictions, checked_fil
 from palpate.configuration.chosen_law import with_chosen_law
 from palpate.configuration.condition import Condition, condition_sets_of, conditions_of_entry
 from palpate.configuration.further_evidence import EvidenceFile, evidence_from
+from palpate.configuration.instrument_section import Instrument, instrument_from
 from palpate.configuration.levels import checked_levels
 from palpate.configuration.prescribed_history import Histories
 from palpate.configuration.recording_sets import recording_sets
@@ -75,8 +76,8 @@ class Study:
         All loading conditions; the parts of one that are held out follow it as a condition ``NAME.held_out``.
     condition_sets
         Names of the conditions that each calibration uses; ``all`` is always there.
-    recordings, evidence
-        Folder of each set of recordings, and what was measured of the material besides indentation.
+    recordings, evidence, instrument
+        Folder of each set of recordings, what was measured of the material besides indentation, and shared effects.
     cells_per_job, seed, surrogate, calibration, diagnosis, challenge, laboratory
         Settings with their defaults filled in.
     source
@@ -111,6 +112,7 @@ class Study:
     diagnosis: DiagnosisSettings
     challenge: Challenge
     laboratory: Mapping[str, LaboratorySettings]
+    instrument: Instrument | None
     source: Mapping[str, Any]
     source_tests: Callable[[], Mapping[str, list[VendorTest]]] = field(compare=False, repr=False)
 
@@ -271,6 +273,7 @@ def _study(values: Any, path: Path, data: str | None) -> Study:
         condition_sets=condition_sets_of(given.condition_sets, conditions),
         recordings=recordings,
         evidence=evidence_from(given.evidence, names),
+        instrument=instrument_from(given),
         source=source,
         source_tests=tests,
         **{key: getattr(given, key) for key in TAKEN_AS_THEY_ARE},

@@ -139,6 +139,24 @@ class SourceSection(Section):
         return self
 
 
+class InstrumentSection(Section):
+    """Effects of the instrument and of its tip that studies share."""
+
+    name: Name = key("of the instrument", remedy=NAME_REMEDY)
+    shares: Names = key(
+        "mechanisms of the instrument or of a tip, which have one value in all of its tests and are tried by the "
+        "diagnosis",
+        accepted="list of keys among [those that may be shared](shared_instruments.md)",
+        remedy="list keys of mechanisms",
+    )
+    prior: str | None = key(
+        "the study on the same instrument whose posterior, `results/STUDY/instrument.json`, is the prior of the shared "
+        "effects; or such a file",
+        None,
+        accepted="name of a study, path that ends in `.json`",
+    )
+
+
 class StudyFile(Section):
     """The keys at the top of a study's file."""
 
@@ -202,6 +220,9 @@ class StudyFile(Section):
     surrogate: SurrogateSettings = key("how curves are interpolated between the snapshots", SurrogateSettings())
     calibration: CalibrationSettings = key("how the parameters are estimated", CalibrationSettings())
     diagnosis: DiagnosisSettings = key("how missing effects are searched", DiagnosisSettings())
+    instrument: InstrumentSection | None = key(
+        "effects that [studies on one instrument share](shared_instruments.md)", None
+    )
     laboratory: dict[str, LaboratorySettings] = key(
         "writes synthetic recordings of a known material, for each set named", {}, accepted="`NAME: table`"
     )

@@ -27,8 +27,8 @@ def candidates(study: Study) -> dict[str, Mechanism]:
     Raises
     ------
     InputError
-        When the study names a mechanism that does not exist or, beside a stated law, cannot act, a range of a quantity
-        that is not searched, or too few draws.
+        When the study names a mechanism that does not exist or, beside a stated law, cannot act, shares one that is
+        not considered, states a range of a quantity that is not searched, or too few draws.
     """
     found, place = {}, "diagnosis.mechanisms"
     with located_in(study.file):
@@ -53,6 +53,10 @@ def candidates(study: Study) -> dict[str, Mechanism]:
                     raise
                 continue
             found[key] = mechanism
+        for key in study.instrument.shares if study.instrument else ():
+            if key not in found:
+                remedy = f"share some of those that the diagnosis considers: {', '.join(found)}"
+                raise InputError(f"{key} is not considered", remedy=remedy, place="instrument.shares")
     return found
 
 

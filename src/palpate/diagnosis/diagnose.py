@@ -104,7 +104,8 @@ def diagnose(search: Search, report: Callable[[str], None] = print) -> Diagnosis
         report(f"{key}: {reason}")
     base = search.base
     report(f"base model: log evidence {base.fit.log_evidence:.1f}")
-    found = Explanations(len(search.screen.keys), power_of_evidence(base.fit.errors.law))
+    power, instrument = power_of_evidence(base.fit.errors.law), search.problem.scale.instrument
+    found = Explanations(len(search.screen.keys), power, instrument)
     found.add(base)
     with ParallelFits(search) as fits:
         _explore(fits, found, failed, report)

@@ -2,7 +2,8 @@
 
 A set has the evidence of its fit, or one to first order where it is not worth a fit, and a prior: the number of effects
 is beta-binomial with as much probability for none as for all others together, and sets of one size are equally
-probable. The sets are an odds table, so all of them share one sum, the empty set among them.
+probable. The sets are an odds table, so all of them share one sum, the empty set among them. Where an earlier study on
+the same instrument gave the probability of each set of shared effects, that counts for these, and the above for others.
 
 Evidence counts to a power below one where the law is not taken to be exact, see
 `palpate.inference.discrepancy.power_of_evidence`.
@@ -21,6 +22,7 @@ from scipy.stats import betabinom
 
 from palpate.diagnosis.search import Candidate
 from palpate.mechanisms import MECHANISMS
+from palpate.mechanisms.instrument_prior import InstrumentPrior
 
 Members = frozenset[str]
 
@@ -42,6 +44,8 @@ class Explanations:
         Number of mechanisms.
     power
         Of the evidence.
+    instrument
+        What an earlier study found of shared mechanisms, which are among those considered; None without one.
     fitted
         The best fit of each set, by its mechanisms.
     estimated
@@ -54,6 +58,7 @@ class Explanations:
 
     considered: int
     power: float = 1.0
+    instrument: InstrumentPrior | None = None
     fitted: dict[Members, Candidate] = field(default_factory=dict)
     estimated: dict[Members, tuple[Members, float]] = field(default_factory=dict)
     exchanged: dict[Members, tuple[Members, float]] = field(default_factory=dict)
@@ -109,7 +114,13 @@ class Explanations:
         """Return the logarithm of a power of a set's evidence times its prior."""
         contradicted = members in self.fitted and self.fitted[members].contradicts
         found = -np.inf if contradicted else self._log_evidence(members)
-        return self.power * found + log_prior(len(members), self.considered)
+        return self.power * found + self._log_prior(members)
+
+    def _log_prior(self, members: Members) -> float:
+        if self.instrument is None:
+            return log_prior(len(members), self.considered)
+        others = len(members - self.instrument.keys), self.considered - len(self.instrument.keys)
+        return self.instrument.log_probability(members) + log_prior(*others)
 
     def probabilities(self) -> dict[Members, float]:
         """Return the probability of every set, the likeliest first.

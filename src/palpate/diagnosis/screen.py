@@ -17,12 +17,13 @@ import numpy as np
 from scipy.special import logsumexp
 from scipy.stats import qmc
 
+from palpate.diagnosis.coefficient_prior import NEUTRAL, neutral_place, with_coefficient
 from palpate.errors import PalpateError
 from palpate.inference.amplitude import Amplitude
 from palpate.inference.explanation import DENSITY_ONE, PRIOR_VARIANCE, Fit
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
-from palpate.models.coordinates import CAUCHY, CAUCHY_WEIGHTS
+from palpate.models.coordinates import CAUCHY, CAUCHY_WEIGHTS, Coordinates
 from palpate.solver.variation import added_by_instrument
 
 SHOWN = 0.75  # of the ranges, where an effect that may join is taken
@@ -32,7 +33,6 @@ SCATTERED = 8  # places for several quantities
 ADDED_SCATTERED = 32
 EVEN_DEVIATION = 1.0 / np.sqrt(12.0)  # of an even prior, in widths of the range
 FURTHEST = 1.5  # times an effect, to which it may grow in proportion
-NEUTRAL = 0.02  # of a range, within which an amplitude counts as none
 STARTS = 3  # amplitudes of least misfit, at which a search may begin
 
 
@@ -87,7 +87,8 @@ class Screen:
 
         Each simulated effect is taken in proportion to a positive coefficient, with the mean square that an even prior
         over the range gives it, or Cauchy's prior; the material and the size of the law's discrepancy are integrated
-        over. The evidence is the mean over the amplitudes tried.
+        over. The evidence is the mean over the amplitudes tried. With a prior from an earlier study, it is that of the
+        coefficient of one of them.
         An amplitude that differs between recordings has another one in each condition, too.
         """
         columns = [fit.residual[:, None], fit.tangent, self.effects[key].T]
@@ -97,20 +98,33 @@ class Screen:
             own = fit.problem.effects_by_test(key) * np.tile(sizes, len(fit.problem.conditions))
         marginal, k = fit.marginal(np.column_stack([*columns, own])), len(fit.z)
         first, count = 1 + k, len(self.effects[key])
-        found = []
+        found, even = [], fit.coordinates.even_variances(DENSITY_ONE)
+        at = marginal.of_columns(range(first))
+        without = float(logsumexp(at.log_prior + at.log_densities(even, fit.converged)))
+        if further := with_coefficient(fit, key, self.trials[key]):
+            return fit.log_evidence + self._log_density_joined(fit, key, *further) - without
         for number, variances in enumerate(self.prior_variances(fit, key)):
             trial = marginal.of_columns([*range(first), first + number])
             for weight, variance in variances:
-                shared = np.append(np.full(k, DENSITY_ONE), variance)
+                shared = np.append(even, variance)
                 found.append(weight + logsumexp(trial.log_prior + trial.log_densities(shared, positive=True)))
         if own.shape[1]:
             each = marginal.of_columns([*range(first), *range(first + count, first + count + own.shape[1])])
-            spread = np.append(np.full(k, DENSITY_ONE), np.ones(own.shape[1]))
+            spread = np.append(even, np.ones(own.shape[1]))
             found.append(logsumexp(each.log_prior + each.log_densities(spread)) + np.log(count))
-        at = marginal.of_columns(range(first))
-        without = logsumexp(at.log_prior + at.log_densities(DENSITY_ONE, fit.converged))
         mass = fit.problem.coordinates((key,)).log_mass(fit.problem.material)
-        return fit.log_evidence + float(logsumexp(found)) - np.log(count) - float(without) - mass
+        return fit.log_evidence + float(logsumexp(found)) - np.log(count) - without - mass
+
+    def _log_density_joined(self, fit: Fit, key: str, further: Coordinates, number: int) -> float:
+        """Return the log density of a fit's residual once a trial of a mechanism joins, see `with_coefficient`.
+
+        It is relative to the mass of the prior of the fit.
+        """
+        columns = np.column_stack([fit.residual, fit.tangent, self.effects[key][number]])
+        joined, material = fit.marginal(columns, further), fit.problem.material
+        mass = further.log_mass(material) - fit.coordinates.log_mass(material)
+        densities = joined.log_densities(further.even_variances(DENSITY_ONE))
+        return float(logsumexp(joined.log_prior + densities)) - mass
 
     def prior_variances(self, fit: Fit, key: str) -> list[list[tuple[float, float]]]:
         """Return the logarithms of weights and the variances that make the prior of the coefficient of each trial.
@@ -126,9 +140,7 @@ class Screen:
             return [[(float(weight), (size * share) ** 2) for weight, size in parts]] * len(places)
         if len(added) > 1:
             return [[(0.0, 1.0)]] * len(places)
-        (coordinate,) = added
-        neutral = MECHANISMS[key].neutral.get(coordinate.name.split(".")[1], coordinate.lower)
-        start = float(np.clip(coordinate.scaled(neutral), 0.0, 1.0))
+        (start,) = neutral_place(fit.problem, key).tolist()
         away = np.maximum(np.abs(places[:, 0] - start), NEUTRAL)
         if len(coordinates.cauchy):
             (typical,) = coordinates.cauchy_sizes
@@ -204,7 +216,20 @@ def _linear_starts(fit: Fit, key: str, places: np.ndarray) -> list[np.ndarray]:
 
 
 def screened_places(problem: Problem, key: str) -> np.ndarray:
-    """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated."""
+    """Return the coordinates (m, d) at which a mechanism is screened; more where nothing must be simulated.
+
+    The last ones are those that an earlier study expects.
+    """
+    return np.vstack([_scattered_places(problem, key), *_expected_places(problem, key)])
+
+
+def _expected_places(problem: Problem, key: str) -> list[np.ndarray]:
+    """Return the means (d,) of a mechanism's amplitudes in each set with it that an earlier study fitted."""
+    earlier = problem.scale.instrument
+    return [each.of([key]).mean for members, each in earlier.amplitudes.items() if key in members] if earlier else []
+
+
+def _scattered_places(problem: Problem, key: str) -> np.ndarray:
     dimensions, is_simulated = len(problem.coordinates((key,)).free) - problem.material, problem.is_simulated(key)
     if dimensions == 1:
         return np.array(SIMULATED if is_simulated else ADDED)[:, None]

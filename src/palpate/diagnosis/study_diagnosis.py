@@ -12,11 +12,12 @@ import pandas as pd
 from indentation_files.recording import Recording
 from palpate.base.threads import on_one_thread
 from palpate.configuration.study_file import Study
-from palpate.data.study_recordings import check, resampled
+from palpate.data.study_recordings import check, files_of, resampled
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import ExactLaws, zero_points
 from palpate.diagnosis.diagnose import diagnose
 from palpate.diagnosis.diagnosis_result import to_mapping
+from palpate.diagnosis.instrument_posterior import instrument_posterior
 from palpate.diagnosis.model_free import model_free
 from palpate.diagnosis.policy import SearchPolicy
 from palpate.diagnosis.search import Search
@@ -35,7 +36,9 @@ def run_diagnosis(
     report: Callable[[str], None] = print,
     threads: int = 1,
 ) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Diagnose the set of `recordings` of this name, see `diagnosed`."""
+    """Diagnose the set of `recordings` of this name, see `diagnosed`; raises `InputError` where they made its prior."""
+    if study.instrument:
+        study.instrument.check_data(files_of(study, recordings))
     content, curves = diagnosed(study, check(study, recordings), calibration, report, threads)
     return content | {"recordings": recordings}, curves
 
@@ -101,6 +104,8 @@ def diagnosed(
     content["joint_intervals"] = joint_intervals(best, search.screen) if explained else {}
     content["limits"] += wide_intervals(best, content["joint_intervals"])
     content["study"] = study.name
+    if study.instrument:
+        content["instrument"] = instrument_posterior(found, search.screen, study.instrument.shares, rng)
     content["model_free"] = [fact.row() for fact in model_free(study, counted, problem.observed)]
     laws = found.base.fit.constraints
     content["laws"] = [law.row() for law in laws]

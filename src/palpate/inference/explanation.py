@@ -152,9 +152,9 @@ class Fit:
 
     @cached_property
     def misfit(self) -> float:
-        """Chi-square of curves and uniaxial tests, what constraints add, and that of the prior outside the ranges."""
-        beyond, bulk = self.coordinates.beyond(self.z), self.problem.bulk_departures(self.explanation, self.z)
-        return float(self.white @ self.white + self.constraint_misfits.sum() + bulk @ bulk + beyond @ beyond)
+        """Chi-square of curves and uniaxial tests, what constraints add, and that of the prior."""
+        off, bulk = self.coordinates.departures(self.z), self.problem.bulk_departures(self.explanation, self.z)
+        return float(self.white @ self.white + self.constraint_misfits.sum() + bulk @ bulk + off @ off)
 
     @property
     def misfit_ratio(self) -> float:
@@ -173,14 +173,14 @@ class Fit:
 
     @cached_property
     def posterior(self) -> np.ndarray:
-        """Covariance of the coordinates (k, k) to first order; each has a variance of 1/12 beforehand.
+        """Covariance of the coordinates (k, k) to first order; an even prior has a variance of 1/12.
 
         Where the fit leaves more than the errors, the information of the curves is divided by the misfit ratio
         (R. T. Birge, Phys. Rev. 40 (1932) 207-227).
         """
         white, constrained = self.whiten(self.tangent), self.constraint_tangent
         information = white.T @ white / max(self.misfit_ratio, 1.0) + constrained.T @ constrained
-        return np.linalg.inv(information + np.eye(len(self.z)) / PRIOR_VARIANCE)
+        return np.linalg.inv(information + self.coordinates.precision(PRIOR_VARIANCE))
 
     def joined(
         self, effects: np.ndarray, prior: np.ndarray | float, own: float = PRIOR_VARIANCE
@@ -195,18 +195,20 @@ class Fit:
         covariance = np.linalg.inv(white.T @ white + np.diag(1.0 / variances))
         return covariance @ white.T @ self.white, covariance
 
-    def marginal(self, columns: np.ndarray) -> Marginal:
+    def marginal(self, columns: np.ndarray, further: Coordinates | None = None) -> Marginal:
         """Return the products of columns (n_all, c) for every size of the law's discrepancy.
 
         The columns are a residual, then slopes by the coordinates (k), whose prior and constraints count as data, then
-        whatever else joins the curves.
+        whatever else joins the curves. The prior of the coordinates is that of `further` ones, the last of which is at
+        zero, if they are given.
         """
         found = Marginal.of(self.modes, columns)
-        beyond = self.coordinates.beyond(self.z)
-        beyond[self.coordinates.cauchy] = 0.0
-        slopes = np.vstack([np.diag(1.0 * (beyond != 0.0)), self.constraint_tangent])
-        rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(self.z)))
-        return found.with_data(np.column_stack([-np.append(beyond, self.from_constraints(self.z)), slopes, rest]))
+        coordinates, z = (further, np.append(self.z, 0.0)) if further else (self.coordinates, self.z)
+        off, slopes = coordinates.departures(z), coordinates.slopes_of_departures(z)
+        off[coordinates.cauchy], slopes[coordinates.cauchy] = 0.0, 0.0
+        slopes = np.vstack([slopes, np.pad(self.constraint_tangent, ((0, 0), (0, len(z) - len(self.z))))])
+        rest = np.zeros((len(slopes), columns.shape[1] - 1 - len(z)))
+        return found.with_data(np.column_stack([-np.append(off, self.from_constraints(self.z)), slopes, rest]))
 
     @cached_property
     def _sizes(self) -> tuple[Marginal, np.ndarray]:
@@ -216,12 +218,11 @@ class Fit:
         from where the curves are linear; where the search did not converge, that prior counts at the point reached.
         """
         marginal = self.marginal(np.column_stack([self.residual, self.tangent]))
-        cauchy = self.coordinates.cauchy
+        cauchy, variance, found = self.coordinates.cauchy, self.coordinates.even_variances(DENSITY_ONE), []
         if not self.converged:
             prior = float(self.coordinates.log_cauchy(self.z))
-            return marginal, marginal.log_prior + marginal.log_densities(DENSITY_ONE, False) + prior
+            return marginal, marginal.log_prior + marginal.log_densities(variance, False) + prior
         about = marginal.from_elsewhere(cauchy + 1, 0.5 - self.z[cauchy])
-        variance, found = np.full(len(self.z), DENSITY_ONE), []
         for weight, variance[cauchy] in self.coordinates.cauchy_mixture():
             found.append(weight + about.log_densities(variance))
         return marginal, marginal.log_prior + logsumexp(found, axis=0)

@@ -2,7 +2,7 @@ r"""Weighted least squares of simulated curves against recorded ones, with a pri
 
 What is minimised, in coordinates u with the prior of `palpate.models.coordinates`, is
 
-    chi^2(u) = r^T (C + d^2 I)^-1 r + sum beyond(u)^2,    r = simulated - recorded depth,
+    chi^2(u) = r^T (C + d^2 I)^-1 r + sum departures(u)^2,    r = simulated - recorded depth,
 
 with the covariance C of the errors: noise of the recordings, error of the solver and, near the end of a search, the
 discrepancy of the law. Farther away, or where the law is taken to be exact and is not, more is left; that remainder is
@@ -103,11 +103,11 @@ class Misfit:
 
     def of_parameters(self, u: np.ndarray) -> np.ndarray:
         """Return the departures (k + m,) [standard deviations] from the prior and from independent measurements."""
-        return np.append(self.coordinates.beyond(u), self.independent(u))
+        return np.append(self.coordinates.departures(u), self.independent(u))
 
     def slopes_of_parameters(self, u: np.ndarray) -> np.ndarray:
         """Return their derivatives (k + m, k) by the coordinates."""
-        return np.vstack([np.diag(1.0 * (self.coordinates.beyond(u) != 0.0)), central_slopes(self.independent, u)])
+        return np.vstack([self.coordinates.slopes_of_departures(u), central_slopes(self.independent, u)])
 
 
 def remainder(residual: np.ndarray, variances: np.ndarray, directions: np.ndarray, parameters: int) -> float:

@@ -4,7 +4,7 @@ The density is that of the curves to second order about the best point (`Curvatu
 `palpate.models.coordinates`, integrated over the size of the law's discrepancy: at coordinates z with the
 features f(z) of the curves,
 
-    p(z) ~ sum over sizes q of prior_q |C_q|^(-1/2) exp(-f' (X' C_q^-1 X) f / 2 - beyond(z)^2 / 2).
+    p(z) ~ sum over sizes q of prior_q |C_q|^(-1/2) exp(-f' (X' C_q^-1 X) f / 2 - departures(z)^2 / 2).
 
 A law that lacks creep at short times takes it for elasticity. Fits of Burgers solids to power, logarithmic and
 stretched creep leave a modulus that is too low, its logarithm by 6 to 52 times the root mean square misfit as a share
@@ -181,11 +181,11 @@ class _Density:
         found = np.full(len(points), -np.inf)
         inside = np.all((points >= least) & (points <= largest), axis=1)
         if inside.any():
-            features, beyond = self.curvature.features(points[inside]), fit.coordinates.beyond(points[inside])
-            beyond[:, fit.coordinates.cauchy] = 0.0
+            features, prior = self.curvature.features(points[inside]), fit.coordinates.departures(points[inside])
+            prior[:, fit.coordinates.cauchy] = 0.0
             pairs = np.einsum("ni,nj->nij", features, features).reshape(len(features), -1)
             squares = pairs @ self.products.reshape(len(self.products), -1).T
-            found[inside] = logsumexp(self.log_heights - 0.5 * squares, axis=1) - 0.5 * np.sum(beyond**2, axis=1)
+            found[inside] = logsumexp(self.log_heights - 0.5 * squares, axis=1) - 0.5 * np.sum(prior**2, axis=1)
             found[inside] += fit.coordinates.log_cauchy(points[inside])
             if fit.constraints:
                 off = (departures(fit.constraints, fit.model.amplitudes(row)) for row in points[inside])

@@ -55,4 +55,5 @@ MECHANISM = Mechanism(
     concealed=lambda rng: {"lag": log_uniform(rng, 0.02, 1.0)},
     simulate=simulate,
     breaks=frozenset({Assumption.RECORDED_LOAD_ACTS}),
+    of_the_instrument=True,
 )

@@ -48,4 +48,5 @@ MECHANISM = Mechanism(
     record=record,
     unidentifiable_at_one_load=True,
     remedy="four or more unloadings from loads that span a factor of ten, within each test",
+    of_the_instrument=True,
 )

@@ -50,4 +50,5 @@ MECHANISM = Mechanism(
     remedy="four or more unloadings from loads that span a factor of ten, within each test",
     includes=("frame_compliance",),
     by_default=False,
+    of_the_instrument=True,
 )

@@ -75,4 +75,5 @@ MECHANISM = Mechanism(
     breaks=frozenset({Assumption.RECORDED_LOAD_ACTS}),
     unidentifiable_at_one_load=True,
     by_default=False,
+    of_the_instrument=True,
 )

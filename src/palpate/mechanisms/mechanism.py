@@ -7,12 +7,13 @@ its declaration.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
 from palpate.base.parameters import Parameter, check_values
 from palpate.mechanisms.assumptions import Assumption
+from palpate.mechanisms.instrument_prior import InstrumentPrior
 from palpate.study.protocol import LOAD
 from palpate.study.specification import Specification
 
@@ -35,6 +36,8 @@ class Scale:
         Mean contact pressure [GPa].
     stated
         Ranges (lower, upper) that the study states in place of plausible ones, of a mechanism's quantity.
+    instrument
+        What an earlier study found of the instrument's effects: their prior; None without one.
     """
 
     depth: float
@@ -46,6 +49,7 @@ class Scale:
     pressure: float
     stated: Mapping[str, Mapping[str, Sequence[float]]] = field(default_factory=dict)
     half_angles: Mapping[str, float] = field(default_factory=dict)
+    instrument: InstrumentPrior | None = None
 
 
 @dataclass(frozen=True)
@@ -160,6 +164,8 @@ class Mechanism:
         Whether the material's parameters can compensate its effect in tests that all reach the same load.
     of_the_tip
         Whether it belongs to the tip, so that a test with another tip is free of it.
+    of_the_instrument
+        Whether it is a property of the instrument, the same in every test and under every tip.
     tip
         Name of the tip whose own it is, see `of_tip`; empty for the study's tip.
     remedy
@@ -196,6 +202,7 @@ class Mechanism:
     breaks: frozenset[Assumption] = frozenset()
     unidentifiable_at_one_load: bool = False
     of_the_tip: bool = False
+    of_the_instrument: bool = False
     tip: str = ""
     remedy: str = ""
     includes: tuple[str, ...] = ()
@@ -210,6 +217,11 @@ class Mechanism:
     def acts_on_body(self) -> bool:
         """Whether it changes what is simulated, not only what is recorded."""
         return self.simulate is not unchanged_specification
+
+    @property
+    def may_be_shared(self) -> bool:
+        """Whether studies on one instrument may share it: it has one value for the instrument, or for a tip of it."""
+        return self.of_the_instrument or self.of_the_tip
 
     def of_tip(self, name: str) -> Mechanism:
         """Return the same mechanism of another tip of a study, with amplitudes of its own: ``KEY[NAME]``."""
@@ -240,13 +252,15 @@ class Mechanism:
     def searched(self, scale: Scale) -> dict[str, Range]:
         """Return the ranges that a diagnosis searches: those that the study states, else the plausible ones.
 
-        A range that is stated for an instrument holds half of the prior, whose middle it moves.
+        A range that is stated for an instrument holds half of the prior, whose middle it moves. An effect with a prior
+        from an earlier study has the ranges of that study, so that its coordinates have the same meaning in both.
         """
         ranges = dict(self.plausible(scale))
         for name, (lower, upper) in scale.stated.get(self.key, {}).items():
             typical = None if ranges[name].typical is None else 0.5 * (upper - lower)
             ranges[name] = replace(ranges[name], lower=lower, upper=upper, typical=typical)
-        return ranges
+        earlier = scale.instrument.ranges.get(self.key, {}) if scale.instrument else {}
+        return ranges | {name: replace(ranges[name], **asdict(each)) for name, each in earlier.items()}
 
     def limits(self, name: str, searched: Range) -> tuple[float, float]:
         """Return the limits of a quantity that is searched: those of the range, and of the parameter if it is one."""

@@ -61,4 +61,5 @@ MECHANISM = Mechanism(
     follows_depth=True,
     remedy="a test of an elastic body, such as fused silica under a sphere, whose unloading is its loading",
     by_default=False,
+    of_the_instrument=True,
 )

@@ -12,6 +12,8 @@ limits of the law are never exceeded.
 
 Errors of instruments are mostly small and sometimes large. Where a mechanism states a typical size, the prior of its
 amplitude is Cauchy's distribution about the middle of the range, as a mixture of normal ones (`CAUCHY`).
+
+Amplitudes of which an earlier study on the same instrument gave the posterior have that as their prior, jointly normal.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ from scipy.stats import chi2, norm
 from palpate.base.parameters import Parameter
 from palpate.errors import InputError
 from palpate.mechanisms import Mechanism, Range, Scale
+from palpate.mechanisms.instrument_prior import JointAmplitudes
 
 BEYOND_ZERO = 0.01  # of the upper end of a range that begins at zero, below which the scale is about linear
 AT_LIMIT = 1e-3  # of the range, within which an estimate lies on a limit
@@ -37,6 +40,8 @@ AT_LIMIT = 1e-3  # of the range, within which an estimate lies on a limit
 _PARTS = np.array([0.0, 0.3, 0.6, 0.8, 0.9, 0.96, 1.0])
 CAUCHY_WEIGHTS = np.diff(_PARTS)
 CAUCHY = 1.0 / np.sqrt(chi2.isf(0.5 * (_PARTS[1:] + _PARTS[:-1]), 1))
+
+EVEN = 1e6  # variance of a density that is even beside a normal prior, in squared widths of the range
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +112,35 @@ class Coordinate:
 
 
 @dataclass(frozen=True, eq=False)
+class NormalPrior:
+    """A joint normal prior of some coordinates.
+
+    Parameters
+    ----------
+    places : ndarray, shape (d,)
+        Where they stand among all.
+    mean : ndarray, shape (d,)
+    covariance : ndarray, shape (d, d)
+    """
+
+    places: np.ndarray
+    mean: np.ndarray
+    covariance: np.ndarray
+
+    @classmethod
+    def of(cls, names: Sequence[str], found: JointAmplitudes | None) -> NormalPrior:
+        """Return the prior of quantities that an earlier study `found`, among all `names`; of none without that."""
+        if found is None:
+            return cls(np.empty(0, dtype=int), np.empty(0), np.empty((0, 0)))
+        return cls(np.array([names.index(name) for name in found.names], dtype=int), found.mean, found.covariance)
+
+    @cached_property
+    def whitening(self) -> np.ndarray:
+        """Matrix (d, d) that makes departures from the mean independent, in standard deviations."""
+        return np.linalg.inv(np.linalg.cholesky(self.covariance))
+
+
+@dataclass(frozen=True, eq=False)
 class Coordinates:
     """All free parameters of an explanation, and the values of those that are held.
 
@@ -116,6 +150,8 @@ class Coordinates:
         In the order of the coordinates u (k,).
     held
         Values by name.
+    known
+        What an earlier study found of amplitudes of the instrument.
 
     Raises
     ------
@@ -125,6 +161,7 @@ class Coordinates:
 
     free: Sequence[Coordinate]
     held: Mapping[str, float]
+    known: JointAmplitudes | None = None
 
     def __post_init__(self) -> None:
         if not self.free:
@@ -145,7 +182,15 @@ class Coordinates:
             for mechanism in mechanisms
             for name, searched in mechanism.searched(scale).items()
         ]
-        return Coordinates([*self.free, *amplitudes], self.held)
+        members = frozenset(name.split(".")[0] for name in self.names if "." in name)
+        members = members.union(mechanism.key for mechanism in mechanisms)
+        known = scale.instrument.amplitudes_of(members) if scale.instrument else None
+        return Coordinates([*self.free, *amplitudes], self.held, known)
+
+    @cached_property
+    def normal(self) -> NormalPrior:
+        """The joint normal prior of those with one."""
+        return NormalPrior.of(self.names, self.known)
 
     @property
     def names(self) -> list[str]:
@@ -169,13 +214,49 @@ class Coordinates:
         return np.array([float(each.scaled(values[each.name])) for each in self.free])
 
     def beyond(self, u: np.ndarray) -> np.ndarray:
-        """Return how far each coordinate (k,) lies outside its range, negative below it; standard deviations."""
-        return np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
+        """Return how far each coordinate (..., k) lies outside its range, negative below it; standard deviations.
+
+        Those with a normal prior have no range.
+        """
+        found = np.minimum(u, 0.0) + np.maximum(u - 1.0, 0.0)
+        found[..., self.normal.places] = 0.0
+        return found
+
+    def departures(self, u: np.ndarray) -> np.ndarray:
+        """Return the departures (..., k) from the prior: how far each lies outside its range, or from a normal prior.
+
+        They are in standard deviations. Those of a joint prior are made independent.
+        """
+        found, normal = self.beyond(u), self.normal
+        found[..., normal.places] = (u[..., normal.places] - normal.mean) @ normal.whitening.T
+        return found
+
+    def slopes_of_departures(self, u: np.ndarray) -> np.ndarray:
+        """Return the derivatives (k, k) of these at coordinates u (k,)."""
+        found, places = np.diag(1.0 * (self.beyond(u) != 0.0)), self.normal.places
+        found[np.ix_(places, places)] = self.normal.whitening
+        return found
+
+    def precision(self, variance: float) -> np.ndarray:
+        """Return the precision (k, k) of the prior, where an even one has a `variance`."""
+        found, places = np.eye(len(self.free)) / variance, self.normal.places
+        found[np.ix_(places, places)] = self.normal.whitening.T @ self.normal.whitening
+        return found
+
+    def even_variances(self, variance: float) -> np.ndarray:
+        """Return a `variance` for each coordinate (k,); `EVEN` for those whose normal prior counts by departures."""
+        found = np.full(len(self.free), variance)
+        found[self.normal.places] = EVEN
+        return found
 
     @cached_property
     def cauchy(self) -> np.ndarray:
         """Places of the coordinates with Cauchy's prior."""
-        return np.array([k for k, each in enumerate(self.free) if each.typical is not None], dtype=int)
+        return np.array([k for k in self._without_normal if self.free[k].typical is not None], dtype=int)
+
+    @property
+    def _without_normal(self) -> list[int]:
+        return [k for k in range(len(self.free)) if k not in self.normal.places]
 
     @cached_property
     def cauchy_sizes(self) -> np.ndarray:
@@ -197,12 +278,14 @@ class Coordinates:
     def log_mass(self, first: int) -> float:
         """Return the logarithm of the mass of the prior of the coordinates from number `first` on, within the limits.
 
-        An even prior has a density of one over the range and falls off beyond as a Gaussian of its width.
+        An even prior has a density of one over the range and falls off beyond as a Gaussian of its width. A normal one
+        is exp(-departures^2 / 2) on the density `even_variances`, which is not one.
         """
-        even = [k for k, each in enumerate(self.free) if k >= first and each.typical is None]
+        even = [k for k in self._without_normal if k >= first and self.free[k].typical is None]
         least, largest = (ends[even] for ends in self.limits)
         beyond = norm.cdf(np.maximum(largest - 1.0, 0.0)) - norm.cdf(np.minimum(least, 0.0))
-        return float(np.log1p(np.sqrt(2.0 * np.pi) * beyond).sum())
+        of_normal = -np.log(np.diag(self.normal.whitening)).sum() - 0.5 * len(self.normal.places) * np.log(EVEN)
+        return float(np.log1p(np.sqrt(2.0 * np.pi) * beyond).sum() + of_normal)
 
     def at_limit(self, u: np.ndarray) -> np.ndarray:
         """Return which coordinates (k,) lie on a limit."""

@@ -45,6 +45,7 @@ def scale_of(study: Study) -> Scale:
         pressure=mean_pressure(specification.coefficients, slope, loaded_time(largest.protocol)),
         stated=study.diagnosis.ranges,
         half_angles={name: tip.equivalent_cone.half_angle for name, tip in study.tips.items()},
+        instrument=study.instrument.prior if study.instrument else None,
     )
 
 

@@ -16,7 +16,7 @@ from palpate.configuration.study_file import Study
 from palpate.data.bulk_tests import bulk_tests
 from palpate.data.measures import check_measurable
 from palpate.data.observation import Observation
-from palpate.data.study_recordings import Look, check_given, resampled, written_by_workflow
+from palpate.data.study_recordings import Look, check_given, files_of, resampled, written_by_workflow
 from palpate.diagnosis.candidates import candidates
 from palpate.diagnosis.constraints import law_of_reference
 from palpate.errors import InputError, located_in, part_of
@@ -53,6 +53,9 @@ def checked(study: Study, look: Look | None = None) -> Study:
         list(imprints(study))
         if study.diagnosis.enabled and not study.law_is_open:
             check_diagnosis(study)
+        if study.instrument:
+            given = [name for name in study.recordings if not written_by_workflow(study, name)]
+            study.instrument.check_data(file for name in given for file in files_of(study, name))
         for k, recorded in enumerate(check_given(study, look)):
             _check_recorded(study, recorded)
             if study.family and k == 0:

@@ -26,6 +26,7 @@ def answer(found: Answer) -> str:
             f'<ul class="effects">{effects}</ul>' if effects else "",
             paragraph(found.sentence),
             *([paragraph(choice_sentences(choice))] if (choice := found.saved.study.choice) else []),
+            *([paragraph(instrument.in_words)] if (instrument := found.saved.study.instrument) else []),
             f'<div class="two"><div>{parameters(found)}</div><div>{definitions(dict(found.facts()))}</div></div>',
             "</section>",
         ]
