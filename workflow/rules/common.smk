@@ -217,7 +217,9 @@ if workflow.is_main_process:
 DIAGNOSED = list(STUDY.recordings) if STUDY.diagnosis.enabled else []
 # Effects that studies on one instrument share, the file of their prior, and what this study finds of them.
 SHARED = list(STUDY.instrument.shares) if STUDY.instrument else []
-PRIOR = [str(STUDY.instrument.file)] if STUDY.instrument and STUDY.instrument.file else []
+PRIOR = (
+    [str(STUDY.instrument.file)] if STUDY.instrument and STUDY.instrument.file else []
+)
 INSTRUMENT = [f"{FOLDER}/instrument.json"] if SHARED and DIAGNOSED else []
 
 
