@@ -74,7 +74,7 @@ class Answer:
         each = f"{n['fewest']}" if n["fewest"] == n["most"] else f"{n['fewest']} to {n['most']}"
         conditions = f"{n['calibrate']} fitted" + (f" and {n['validate']} held-out" if n["validate"] else "")
         total = n["calibrate"] + n["validate"]
-        replicates = f"{each} replicate{'' if each == '1' else 's'} each"
+        replicates = "no replicates" if each == "1" else f"{each} replicates each"
         tests = f"{n['tests']} test{'' if n['tests'] == 1 else 's'}"
         return f"{tests} under {conditions} condition{'' if total == 1 else 's'}, {replicates}"
 
@@ -274,7 +274,8 @@ def _without_model(facts: Sequence[Mapping[str, Any]]) -> str:
     telling = [found for found in facts if found["suggests"]]
     texts = (f"{_fact(found)} ({', '.join(MECHANISMS[key].title for key in found['suggests'])})" for found in telling)
     more = f"; {len(telling) - MOST_FACTS} more" if len(telling) > MOST_FACTS else ""
-    return "; ".join(islice(texts, MOST_FACTS)) + more or f"none of {len(facts)} facts suggests an effect"
+    none = "the one fact suggests no effect" if len(facts) == 1 else f"none of {len(facts)} facts suggests an effect"
+    return "; ".join(islice(texts, MOST_FACTS)) + more or none
 
 
 def _further(found: Mapping[str, Any]) -> str:
