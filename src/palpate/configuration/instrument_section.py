@@ -18,7 +18,7 @@ from palpate.base.checksum import checksum
 from palpate.configuration.study_sections import InstrumentSection, StudyFile
 from palpate.errors import InputError, part_of
 from palpate.mechanisms import MECHANISMS, known
-from palpate.mechanisms.instrument_prior import InstrumentPrior, JointAmplitudes, SearchedRange
+from palpate.mechanisms.instrument_prior import InstrumentPrior, JointAmplitudes, SearchedRange, pooled_by_shared
 
 ENDING = ".json"
 
@@ -160,13 +160,12 @@ def read_prior(record: Mapping[str, Any], shares: Iterable[str]) -> InstrumentPr
         key, name = row["name"].split(".")
         if key in keys:
             ranges.setdefault(key, {})[name] = SearchedRange(row["lower"], row["upper"], row["typical"])
-    probabilities = dict[frozenset[str], float]()
-    parts = dict[frozenset[str], list[tuple[float, JointAmplitudes]]]()
-    for row in record["sets"]:
-        members = keys.intersection(row["mechanisms"])
-        probabilities[members] = probabilities.get(members, 0.0) + row["probability"]
-        if members and "mean" in row:
-            joint = JointAmplitudes(tuple(row["quantities"]), np.array(row["mean"]), np.array(row["covariance"]))
-            parts.setdefault(members, []).append((row["probability"], joint.of(members)))
-    amplitudes = {members: JointAmplitudes.pooled(found) for members, found in parts.items()}
-    return InstrumentPrior(record["study"], ranges, probabilities, amplitudes)
+    sets = [(frozenset(row["mechanisms"]), row["probability"], _amplitudes(row)) for row in record["sets"]]
+    return InstrumentPrior(record["study"], ranges, *pooled_by_shared(sets, keys))
+
+
+def _amplitudes(row: Mapping[str, Any]) -> JointAmplitudes | None:
+    """Return the density of the amplitudes of a set in a record; None where it has none."""
+    if "mean" not in row:
+        return None
+    return JointAmplitudes(tuple(row["quantities"]), np.array(row["mean"]), np.array(row["covariance"]))

@@ -136,7 +136,7 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
             if each.members not in to_try or each.log_evidence > to_try[each.members].log_evidence:
                 to_try[each.members] = each
 
-    def promise(each: ExplanationToTry) -> float:
+    def attainable_weight(each: ExplanationToTry) -> float:
         """Return the weight of a set, or of the likeliest larger one that only a fit of this one leads to."""
         larger = [members for members in found.exchanged if each.members < members and found.is_exchanged(members)]
         return max(map(found.log_weight, [each.members, *larger]))
@@ -146,7 +146,7 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
         is_no_rival = best < each.members and not search.problem.replicated
         rough = 0.0 if linear else found.power * policy.rough
         negligible = policy.negligible_if_safe if linear or is_no_rival else policy.negligible
-        return found.log_weight(best) - promise(each) <= rough - np.log(negligible)
+        return found.log_weight(best) - attainable_weight(each) <= rough - np.log(negligible)
 
     def decide() -> set[Members]:
         """Return the sets of the group that gives the verdict, unless the empty one is among them."""
@@ -157,7 +157,7 @@ def _explore(fits: ParallelFits, found: Explanations, failed: dict[str, str], re
     for _ in range(policy.most if search.problem.replicated else policy.most_alone):
         best, rivals = max(found.fitted, key=found.log_weight), decide()
         worth = [each for each in to_try.values() if each.members in rivals or is_worth_a_fit(each, best)]
-        likely = sorted(worth, key=lambda each: -promise(each))
+        likely = sorted(worth, key=lambda each: -attainable_weight(each))
         if not likely:
             break
         chosen, *others = likely

@@ -18,7 +18,7 @@ from palpate.diagnosis.over_sets import draws_of
 from palpate.diagnosis.screen import Screen
 from palpate.inference.problem import Problem
 from palpate.mechanisms import MECHANISMS
-from palpate.mechanisms.instrument_prior import JointAmplitudes
+from palpate.mechanisms.instrument_prior import JointAmplitudes, pooled_by_shared
 from palpate.models.coordinates import Coordinate
 
 NARROWEST = 1e-5  # standard deviation of an amplitude that lies on a limit, in widths of its range
@@ -43,24 +43,23 @@ def instrument_posterior(
     """
     problem, sets = diagnosis.base.fit.problem, diagnosis.sets
     coordinates = {each.name: each for key in shares for each in _searched(problem, key)}
-    probabilities, parts = dict[Members, float](), dict[Members, list[tuple[float, JointAmplitudes]]]()
-    likeliest = dict[Members, np.ndarray]()
+    every_set, likeliest = list[tuple[Members, float, JointAmplitudes | None]](), dict[Members, np.ndarray]()
     for members, probability in sets.probabilities().items():
         shared = members.intersection(shares)
-        probabilities[shared] = probabilities.get(shared, 0.0) + probability
         if not shared or not probability or sets.is_exchanged(members):
+            every_set.append((members, probability, None))
             continue
         drawn, every = draws_of(sets, members, probability, screen, rng)
         names = tuple(name for name in coordinates if name.split(".")[0] in shared)
         draws = drawn[:, [every.index(name) for name in names]]
         spread = np.cov(draws.T).reshape(len(names), -1) + NARROWEST**2 * np.eye(len(names))
-        parts.setdefault(shared, []).append((probability, JointAmplitudes(names, draws.mean(axis=0), spread)))
+        every_set.append((members, probability, JointAmplitudes(names, draws.mean(axis=0), spread)))
         likeliest.setdefault(shared, draws)
+    probabilities, amplitudes = pooled_by_shared(every_set, frozenset(shares))
     rows = []
     for shared, probability in sorted(probabilities.items(), key=lambda each: -each[1]):
         row: dict[str, Any] = {"mechanisms": sorted(shared), "probability": probability}
-        if shared in parts:
-            found = JointAmplitudes.pooled(parts[shared])
+        if found := amplitudes.get(shared):
             row |= {"quantities": list(found.names), "mean": found.mean.tolist()}
             row |= {"covariance": found.covariance.tolist()}
             columns = zip(found.names, likeliest[shared].T, strict=True)

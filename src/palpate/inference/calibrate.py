@@ -161,19 +161,15 @@ def base_fit(
         Called with one line on the progress.
     """
     brought, coordinates = problem.at_one_load(starts[0], report), problem.forward.coordinates
-    usual = Fitter(brought, settings.site_scatter, settings.solver_error, settings.law_error)
-    fitter = usual if problem.replicated else replace(usual, site_scatter=0.0, solver_error=0.0, law_error=0.0)
+    fitter = Fitter(brought, settings.site_scatter, settings.solver_error, settings.law_error)
+    searched = Fitter.base if problem.replicated else Fitter.closest
     begun = [coordinates.scaled(values) for values in starts]
     fit = _from_optimum(fitter, begun[0]) if problem.replicated else None
     if fit is None:
         fitter = replace(fitter, problem=brought)
-        fit = fitter.base([*begun, *scattered(problem.material, fitter.policy, rng)])
+        fit = searched(fitter, [*begun, *scattered(problem.material, fitter.policy, rng)])
     if brought is not problem:
         brought = problem.at_one_load(coordinates.named(fit.z), raise_failure)
         fitter = replace(fitter, problem=brought)
-        fit = fitter.base([fit.z])
-    fit = on_finer_meshes(fitter, fit)
-    if not problem.replicated:
-        fitter = replace(usual, problem=fitter.problem)
-        fit = fitter.reweighed(fit)
-    return brought, fit
+        fit = searched(fitter, [fit.z])
+    return brought, on_finer_meshes(fitter, fit) if problem.replicated else fitter.reweighed(fit)

@@ -112,12 +112,13 @@ class Fitter:
             When the forward model fails there.
         """
         model = self.problem.forward.reanchored(z)
-        misfit = self._misfit((), self.errors((), model, z, self.problem.mean))
-        (found,) = misfit.tangents(model, [z])
+        (found,) = model.tangents([z])
         if isinstance(found, str):
             raise PalpateError(found)
-        self.use_residual_as_noise(self.problem.mean - found[0])
-        return Fit(self.problem, (), model, z, self.errors((), model, z, found[0]), *found, self.constraints).sized()
+        curve, tangent = map(self.problem.stacked, found)
+        self.use_residual_as_noise(self.problem.mean - curve)
+        weighed = self.errors((), model, z, curve)
+        return Fit(self.problem, (), model, z, weighed, curve, tangent, self.constraints).sized()
 
     def fitted(
         self,

@@ -62,6 +62,24 @@ class JointAmplitudes:
         return cls(parts[0][1].names, mean, within + (weights[:, None] * (means - mean)).T @ (means - mean))
 
 
+def pooled_by_shared(
+    sets: Iterable[tuple[frozenset[str], float, JointAmplitudes | None]], keys: frozenset[str]
+) -> tuple[dict[frozenset[str], float], dict[frozenset[str], JointAmplitudes]]:
+    """Return the probability of each set of the shared mechanisms `keys`, and the density of its amplitudes if known.
+
+    Each of the `sets` has its mechanisms, a probability and a density of amplitudes of shared mechanisms at least; None
+    where it is not known. Those that differ in other mechanisms alone count together.
+    """
+    probabilities = dict[frozenset[str], float]()
+    parts = dict[frozenset[str], list[tuple[float, JointAmplitudes]]]()
+    for mechanisms, probability, amplitudes in sets:
+        members = mechanisms & keys
+        probabilities[members] = probabilities.get(members, 0.0) + probability
+        if members and amplitudes is not None:
+            parts.setdefault(members, []).append((probability, amplitudes.of(members)))
+    return probabilities, {members: JointAmplitudes.pooled(found) for members, found in parts.items()}
+
+
 @dataclass(frozen=True, eq=False)
 class InstrumentPrior:
     """The posterior of an earlier study.
